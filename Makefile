@@ -1,0 +1,34 @@
+# Two commands do everything: `make demo` and `make test`. Each makes the environment in .venv first if it is not there.
+PYTHON ?= python3
+PIP_ARGS ?=
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: demo test lint clean help
+
+help:
+	@echo "make demo   train on the bundled kitchen and search it; ends with where to look (about 5 minutes)"
+	@echo "make test   the tests (about 5 minutes)"
+	@echo "make lint   ruff and mypy"
+	@echo "make clean  remove .venv, demo/ and caches"
+
+demo: $(READY)
+	$(BIN)/active-perceiver demo --out demo --force
+
+test: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 $(PYTEST_ARGS)
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit("Python 3.10 or newer is needed: make PYTHON=python3.12 ..." if sys.version_info < (3, 10) else 0)'
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(PIP_ARGS) -c constraints.txt -e '.[train,rooms,dev]'
+	touch $@
+
+clean:
+	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache .hypothesis

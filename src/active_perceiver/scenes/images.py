@@ -1,0 +1,106 @@
+"""Reading and writing single images: what a user has, as the RGB array the software works on."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageOps, UnidentifiedImageError
+
+# Transparent pictures are laid on the light grey that bundled target pictures have as background.
+TRANSPARENT_BACKGROUND = (225, 225, 225)
+# No target picture or view needs more; a larger header is a mistake or a decompression bomb.
+MAX_PIXELS = 100_000_000
+
+
+class ImageError(ValueError):
+    """An image that cannot be read; the message says which and what to do."""
+
+
+def decode_image(data: bytes, name: str = "image") -> NDArray[np.uint8]:
+    """Decode an encoded image of any mode as upright RGB.
+
+    EXIF rotation is applied, transparency is laid on light grey, grey and palette images become RGB, 16-bit
+    greys are scaled down.
+
+    Args:
+        data: an encoded image (WebP, JPEG, PNG or anything Pillow reads).
+        name: what to call it in an error.
+
+    Returns:
+        (H, W, 3) uint8.
+
+    Raises:
+        ImageError: if the data is not a readable image.
+    """
+    try:
+        with Image.open(io.BytesIO(data)) as image:
+            if image.width * image.height > MAX_PIXELS:
+                raise ImageError(f"{name} has {image.width} x {image.height} pixels; scale it down first")
+            return np.asarray(_as_rgb(ImageOps.exif_transpose(image)))
+    except UnidentifiedImageError:
+        raise ImageError(f"{name} is not an image Pillow can read; save it as JPEG, PNG or WebP") from None
+    except (OSError, SyntaxError, Image.DecompressionBombError) as error:
+        raise ImageError(f"{name} is broken or truncated ({error}); save it again as JPEG or PNG") from None
+
+
+def _as_rgb(image: Image.Image) -> Image.Image:
+    if image.mode.startswith("I"):
+        image = Image.fromarray((np.asarray(image).astype(np.float64) / 257.0).clip(0, 255).astype(np.uint8))
+    if image.has_transparency_data:
+        image = image.convert("RGBA")
+        ground = Image.new("RGBA", image.size, (*TRANSPARENT_BACKGROUND, 255))
+        image = Image.alpha_composite(ground, image)
+    return image.convert("RGB")
+
+
+def read_image(path: Path | str) -> NDArray[np.uint8]:
+    """Read an image file as upright RGB, (H, W, 3) uint8.
+
+    Raises:
+        ImageError: if the file is missing, is a folder or is not a readable image.
+    """
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise ImageError(f"there is no file {path}; give the path of a picture of the object") from None
+    except OSError as error:
+        raise ImageError(f"{path} cannot be read: {error.strerror}") from None
+    return decode_image(data, str(path))
+
+
+def encode_image(image: NDArray[np.uint8], kind: str = "webp", quality: int = 88) -> bytes:
+    """Encode an (H, W, 3) uint8 RGB image as `kind` ("webp", "jpeg" or "png")."""
+    out = io.BytesIO()
+    options = {"webp": {"quality": quality, "method": 6}, "jpeg": {"quality": quality}, "png": {}}[kind]
+    Image.fromarray(image).save(out, kind.upper(), **options)
+    return out.getvalue()
+
+
+def square_image(image: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
+    """Fit an image into a square of `size` pixels, keeping its proportions.
+
+    The shorter side is padded with the median colour of the image's border, so that a product picture of any
+    shape stays an object on a plain background.
+
+    Args:
+        image: (H, W, 3) uint8 RGB.
+        size: side of the result in pixels.
+
+    Returns:
+        (size, size, 3) uint8.
+    """
+    height, width = image.shape[:2]
+    if (height, width) == (size, size):
+        return image
+    scale = size / max(height, width)
+    fitted = (max(1, round(width * scale)), max(1, round(height * scale)))
+    resized = Image.fromarray(image).resize(fitted, Image.Resampling.BICUBIC, reducing_gap=3.0)
+    border = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
+    red, green, blue = (int(value) for value in np.median(border, axis=0))
+    square = Image.new("RGB", (size, size), (red, green, blue))
+    square.paste(resized, ((size - fitted[0]) // 2, (size - fitted[1]) // 2))
+    return np.asarray(square)

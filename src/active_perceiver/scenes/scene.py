@@ -1,0 +1,167 @@
+"""What a scene is: views on a pose lattice, the moves between them, and the targets that can be searched."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.scenes.images import decode_image
+from active_perceiver.scenes.lattice import Action
+
+# A box may stick out of the image by rounding, not more.
+BOX_TOLERANCE = 1e-4
+
+
+class SceneError(ValueError):
+    """A scene that is not sound; the message says what is wrong and what to do."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """An object that can be searched.
+
+    Attributes:
+        name: unique in its scene.
+        pictures: encoded images of the object on its own, without context.
+        category: what kind of thing it is, for example "mug".
+    """
+
+    name: str
+    pictures: tuple[bytes, ...]
+    category: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.name or "/" in self.name:
+            raise SceneError(f"a target's name must not be empty or hold a slash: {self.name!r}")
+        if not self.pictures:
+            raise SceneError(f"target '{self.name}' has no picture; a target is searched from its picture")
+
+    def picture(self, index: int = 0) -> NDArray[np.uint8]:
+        """Decode one picture, (H, W, 3) uint8 RGB."""
+        return decode_image(self.pictures[index], f"picture {index} of target '{self.name}'")
+
+
+@dataclass(frozen=True)
+class FloorPlan:
+    """The room seen from above, for figures.
+
+    Attributes:
+        outline: (K, 2) x, z in metres, the walls.
+        obstacles: (label, (K, 2) polygon) pairs, what stands in the room.
+    """
+
+    outline: NDArray[np.float64]
+    obstacles: tuple[tuple[str, NDArray[np.float64]], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A room cut into a finite set of robot states, each with one image (the paper, section III).
+
+    Attributes:
+        name: for example "kitchen_1".
+        actions: the columns of `transitions`.
+        views: (S,) encoded images; decoded when asked for, see `view`.
+        poses: (S, 4) float32: x, z in metres, heading and tilt in degrees.
+        transitions: (S, A) int32, the next state; the state's own index where the move is blocked.
+        boxes: (S, T, 4) float32: centre x, centre y, width, height as fractions of the image; NaN where not
+            visible.
+        targets: (T,) what can be searched, in the order of `boxes`.
+        image_size: side of the (square) views in pixels.
+        fov: the camera's field of view in degrees.
+        source: where the scene comes from, one line.
+        floor_plan: the room from above, if known.
+    """
+
+    name: str
+    actions: tuple[Action, ...]
+    views: Sequence[bytes]
+    poses: NDArray[np.float32]
+    transitions: NDArray[np.int32]
+    boxes: NDArray[np.float32]
+    targets: tuple[Target, ...]
+    image_size: int = 300
+    fov: float = 75.0
+    source: str = ""
+    floor_plan: FloorPlan | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        states, names = len(self.views), self.target_names
+        if states == 0:
+            raise SceneError(f"scene '{self.name}' has no views")
+        if not self.targets:
+            raise SceneError(f"scene '{self.name}' has no targets; there is nothing to search")
+        if len(set(names)) != len(names):
+            raise SceneError(f"scene '{self.name}' names a target twice: {sorted(names)}")
+        shapes = {
+            "poses": (self.poses, (states, 4)),
+            "transitions": (self.transitions, (states, len(self.actions))),
+            "boxes": (self.boxes, (states, len(names), 4)),
+        }
+        for label, (array, shape) in shapes.items():
+            if array.shape != shape:
+                raise SceneError(f"scene '{self.name}': {label} has shape {array.shape}, expected {shape}")
+        if not np.isfinite(self.poses).all():
+            bad = int((~np.isfinite(self.poses)).any(1).sum())
+            raise SceneError(f"scene '{self.name}': {bad} poses are not finite numbers")
+        if self.transitions.min() < 0 or self.transitions.max() >= states:
+            raise SceneError(f"scene '{self.name}': transitions lead outside the {states} states")
+        self._check_boxes()
+
+    def _check_boxes(self) -> None:
+        missing = np.isnan(self.boxes)
+        if (missing.any(-1) != missing.all(-1)).any():
+            raise SceneError(f"scene '{self.name}': a box is either all NaN (not visible) or no NaN at all")
+        boxes = self.boxes[~missing.any(-1)]
+        low, high = boxes[:, :2] - boxes[:, 2:] / 2, boxes[:, :2] + boxes[:, 2:] / 2
+        if (low < -BOX_TOLERANCE).any() or (high > 1 + BOX_TOLERANCE).any() or (boxes[:, 2:] <= 0).any():
+            raise SceneError(
+                f"scene '{self.name}': boxes must lie in 0..1 as fractions of the image (centre x, centre y, "
+                "width, height) and have a positive size; pixels or corners were given?"
+            )
+
+    def __len__(self) -> int:
+        return len(self.views)
+
+    @property
+    def target_names(self) -> tuple[str, ...]:
+        """Names of the targets in the order of `boxes`."""
+        return tuple(target.name for target in self.targets)
+
+    @cached_property
+    def areas(self) -> NDArray[np.float32]:
+        """(S, T) box areas as fractions of the image; 0 where the target is not visible."""
+        return np.nan_to_num(self.boxes[..., 2] * self.boxes[..., 3], nan=0.0)
+
+    @cached_property
+    def content_hash(self) -> str:
+        """Hex digest of the views: the key of everything computed from them alone."""
+        digest = hashlib.sha256()
+        for view in self.views:
+            digest.update(hashlib.sha256(view).digest())
+        return digest.hexdigest()[:24]
+
+    @cached_property
+    def positions(self) -> NDArray[np.int64]:
+        """(S,) index of each state's place: states that differ only in heading and tilt share it."""
+        return np.unique(np.round(self.poses[:, :2], 3), axis=0, return_inverse=True)[1].ravel()
+
+    def view(self, state: int) -> NDArray[np.uint8]:
+        """Decode one state's image, (H, W, 3) uint8 RGB."""
+        return decode_image(self.views[state], f"view {state} of scene '{self.name}'")
+
+    def target_index(self, name: str) -> int:
+        """Index of a target by name.
+
+        Raises:
+            SceneError: if the scene has no such target; the message lists those it has.
+        """
+        if name not in self.target_names:
+            known = ", ".join(self.target_names)
+            raise SceneError(f"scene '{self.name}' has no target '{name}'; it has {known}")
+        return self.target_names.index(name)

@@ -1,0 +1,169 @@
+"""Scene files: HDF5, format "active-perceiver-scene", version 1.
+
+Layout: attributes `format`, `version`, `name`, `actions` (JSON list), `image_size`, `fov`, `source`; datasets
+`views` (S,) variable-length uint8, `poses` (S, 4) float32, `transitions` (S, A) int32, `boxes` (S, T, 4) float32;
+groups `targets/<name>` with `pictures` (K,) variable-length uint8 and attributes `category` and `index`; optional
+group `floor_plan` with `outline` and `obstacles/<number>`. Nothing in a file is executed when it is read.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from active_perceiver.scenes.lattice import Action
+from active_perceiver.scenes.scene import FloorPlan, Scene, SceneError, Target
+
+FORMAT = "active-perceiver-scene"
+VERSION = 1
+
+
+@contextmanager
+def replacing(path: Path, force: bool) -> Iterator[Path]:
+    """A temporary path beside `path` that takes its place when the block ends well and vanishes when it does not.
+
+    Raises:
+        FileExistsError: if `path` exists and `force` is false.
+    """
+    if path.exists() and not force:
+        raise FileExistsError(f"{path} exists; give another name, or --force to replace it")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)  # mkstemp makes files that only their owner may read
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def save_scene(scene: Scene, path: Path | str, *, force: bool = False) -> None:
+    """Write a scene file, atomically.
+
+    Args:
+        scene: what to write.
+        path: where to; parent folders are made.
+        force: replace an existing file.
+
+    Raises:
+        FileExistsError: if the file exists and `force` is false.
+    """
+    with replacing(Path(path), force) as temporary, h5py.File(temporary, "w") as file:
+        file.attrs.update(
+            format=FORMAT,
+            version=VERSION,
+            name=scene.name,
+            actions=json.dumps([action.value for action in scene.actions]),
+            image_size=scene.image_size,
+            fov=scene.fov,
+            source=scene.source,
+        )
+        _write_blobs(file, "views", scene.views)
+        for label in ("poses", "transitions", "boxes"):
+            file.create_dataset(label, data=getattr(scene, label), compression="gzip")
+        for index, target in enumerate(scene.targets):
+            group = file.create_group(f"targets/{target.name}")
+            group.attrs.update(category=target.category, index=index)
+            _write_blobs(group, "pictures", target.pictures)
+        if scene.floor_plan is not None:
+            group = file.create_group("floor_plan")
+            group["outline"] = scene.floor_plan.outline
+            for index, (label, polygon) in enumerate(scene.floor_plan.obstacles):
+                group[f"obstacles/{index}"] = polygon
+                group[f"obstacles/{index}"].attrs["label"] = label
+
+
+def load_scene(path: Path | str) -> Scene:
+    """Read a scene file and check it.
+
+    Raises:
+        SceneError: if the file is missing, not HDF5, truncated, of another format or version, or not sound.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise SceneError(f"there is no scene file {path}; see `active-perceiver scenes list` for bundled scenes")
+    try:
+        with h5py.File(path, "r") as file:
+            return _read(file, path)
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from None
+    except (OSError, RuntimeError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise SceneError(
+            f"{path} is not a readable HDF5 file ({reason}); it may be truncated, copy it again"
+        ) from None
+    except (KeyError, ValueError, TypeError) as error:
+        raise SceneError(f"{path} is damaged or not a scene of version {VERSION}: {error}") from None
+
+
+def _read(file: h5py.File, path: Path) -> Scene:
+    if file.attrs.get("format") != FORMAT:
+        raise SceneError(f"not a scene file (its format is {file.attrs.get('format')!r}, not {FORMAT!r})")
+    version = int(file.attrs["version"])
+    if version != VERSION:
+        raise SceneError(f"has scene format version {version}; this software reads version {VERSION}: update it")
+    groups = file.get("targets", {})
+    names = sorted(groups, key=lambda name: int(groups[name].attrs["index"]))
+    return Scene(
+        name=str(file.attrs["name"]),
+        actions=_actions(str(file.attrs["actions"])),
+        views=_read_blobs(file["views"]),
+        poses=file["poses"][()].astype(np.float32),
+        transitions=_as_states(file["transitions"][()]),
+        boxes=file["boxes"][()].astype(np.float32),
+        targets=tuple(
+            Target(name, _read_blobs(groups[name]["pictures"]), str(groups[name].attrs["category"])) for name in names
+        ),
+        image_size=int(file.attrs["image_size"]),
+        fov=float(file.attrs["fov"]),
+        source=str(file.attrs["source"]),
+        floor_plan=_read_floor_plan(file),
+    )
+
+
+def _actions(text: str) -> tuple[Action, ...]:
+    known = {action.value: action for action in Action}
+    names = json.loads(text)
+    if unknown := [name for name in names if name not in known]:
+        raise SceneError(f"unknown actions {unknown}; known are {sorted(known)}")
+    return tuple(known[name] for name in names)
+
+
+def _as_states(array: np.ndarray) -> np.ndarray:
+    if not np.issubdtype(array.dtype, np.integer):
+        raise SceneError(f"transitions are {array.dtype}, expected whole numbers")
+    return array.astype(np.int32)
+
+
+def _read_floor_plan(file: h5py.File) -> FloorPlan | None:
+    if "floor_plan" not in file:
+        return None
+    group = file["floor_plan"]
+    obstacles = group.get("obstacles", {})
+    return FloorPlan(
+        outline=group["outline"][()],
+        obstacles=tuple(
+            (str(obstacles[key].attrs["label"]), obstacles[key][()]) for key in sorted(obstacles, key=int)
+        ),
+    )
+
+
+def _write_blobs(group: h5py.Group, name: str, blobs: Sequence[bytes]) -> None:
+    dataset = group.create_dataset(name, (len(blobs),), dtype=h5py.vlen_dtype(np.uint8))
+    for index, blob in enumerate(blobs):
+        dataset[index] = np.frombuffer(blob, np.uint8)
+
+
+def _read_blobs(dataset: h5py.Dataset) -> tuple[bytes, ...]:
+    return tuple(blob.tobytes() for blob in dataset[()])
