@@ -9,13 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
+from active_perceiver.errors import UserError
+
 # Transparent pictures are laid on the light grey that bundled target pictures have as background.
 TRANSPARENT_BACKGROUND = (225, 225, 225)
 # No target picture or view needs more; a larger header is a mistake or a decompression bomb.
 MAX_PIXELS = 100_000_000
 
 
-class ImageError(ValueError):
+class ImageError(UserError, ValueError):
     """An image that cannot be read; the message says which and what to do."""
 
 

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.errors import UserError
 from active_perceiver.scenes.images import decode_image
 from active_perceiver.scenes.lattice import Action
 
@@ -17,7 +18,7 @@ from active_perceiver.scenes.lattice import Action
 BOX_TOLERANCE = 1e-4
 
 
-class SceneError(ValueError):
+class SceneError(UserError, ValueError):
     """A scene that is not sound; the message says what is wrong and what to do."""
 
 

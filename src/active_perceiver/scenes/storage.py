@@ -9,43 +9,18 @@ group `floor_plan` with `outline` and `obstacles/<number>`. Nothing in a file is
 from __future__ import annotations
 
 import json
-import os
-import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from active_perceiver.files import replacing
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import FloorPlan, Scene, SceneError, Target
 
 FORMAT = "active-perceiver-scene"
 VERSION = 1
-
-
-@contextmanager
-def replacing(path: Path, force: bool) -> Iterator[Path]:
-    """A temporary path beside `path` that takes its place when the block ends well and vanishes when it does not.
-
-    Raises:
-        FileExistsError: if `path` exists and `force` is false.
-    """
-    if path.exists() and not force:
-        raise FileExistsError(f"{path} exists; give another name, or --force to replace it")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)  # mkstemp makes files that only their owner may read
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def save_scene(scene: Scene, path: Path | str, *, force: bool = False) -> None:
@@ -57,7 +32,7 @@ def save_scene(scene: Scene, path: Path | str, *, force: bool = False) -> None:
         force: replace an existing file.
 
     Raises:
-        FileExistsError: if the file exists and `force` is false.
+        OutputExistsError: if the file exists and `force` is false.
     """
     with replacing(Path(path), force) as temporary, h5py.File(temporary, "w") as file:
         file.attrs.update(

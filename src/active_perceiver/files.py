@@ -1,0 +1,42 @@
+"""Writing files so that nothing a user made is lost: to a temporary name first, then renamed."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from active_perceiver.errors import UserError
+
+
+class OutputExistsError(UserError, FileExistsError):
+    """What would be written is there already."""
+
+
+@contextmanager
+def replacing(path: Path, force: bool = True) -> Iterator[Path]:
+    """A temporary path beside `path` that takes its place when the block ends well and vanishes when it does not.
+
+    Args:
+        path: the file to write; its folder is made.
+        force: whether an existing file may be replaced.
+
+    Raises:
+        OutputExistsError: if `path` exists and `force` is false.
+    """
+    if path.exists() and not force:
+        raise OutputExistsError(f"{path} exists; give another name, or --force to replace it")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=f".part{path.suffix}", dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)  # mkstemp makes files that only their owner may read
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
