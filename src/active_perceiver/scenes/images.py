@@ -82,6 +82,21 @@ def encode_image(image: NDArray[np.uint8], kind: str = "webp", quality: int = 88
     return out.getvalue()
 
 
+def image_suffix(data: bytes) -> str:
+    """The file name suffix that suits an encoded image: "webp", "jpg" or "png".
+
+    Raises:
+        ImageError: if the data is none of these.
+    """
+    if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
+        return "webp"
+    if data[:3] == b"\xff\xd8\xff":
+        return "jpg"
+    if data[:8] == b"\x89PNG\r\n\x1a\n":
+        return "png"
+    raise ImageError("the image is neither WebP nor JPEG nor PNG; save it as one of them")
+
+
 def square_image(image: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
     """Fit an image into a square of `size` pixels, keeping its proportions.
 

@@ -1,0 +1,129 @@
+"""Settings of the learners: plain dataclasses, so that a command line can show them without importing torch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from active_perceiver.search.rewards import REWARDS, Reward, reward_named
+from active_perceiver.search.task import SearchError
+
+
+@dataclass(frozen=True, kw_only=True)
+class LearnerConfig:
+    """What every learner can be told."""
+
+    reward: str = "gain"
+    """What is paid for: a name in `REWARDS`."""
+    gamma: float = 0.95
+    """Discount of rewards per step, 0..1; the paper has 0.99, less makes for shorter paths."""
+    learning_rate: float = 1e-3
+    """Of Adam, at the start; it falls linearly to a tenth."""
+    iterations: int = 100
+    """Most iterations: rounds of finding advantages and fitting the network to them."""
+    hidden: int = 512
+    """Width of the network's layers."""
+    seed: int = 0
+    """Of everything random; the same seed gives the same policy, if no time limit ends the training."""
+    target_ratio: float | None = 1.01
+    """Stop once every search arrives and takes no more than so many times the fewest steps, with every picture."""
+    seconds: float | None = None
+    """Stop after so many seconds."""
+    threads: int = 1
+    """CPU threads of torch. The batches are small: a second thread helps little, and costs much on a busy machine."""
+    check_every: int = 1
+    """Iterations between two measurements for the history."""
+    check_limit: int = 1000
+    """Steps after which a search has failed, in those measurements."""
+
+    def __post_init__(self) -> None:
+        reward_named(self.reward)
+        for label in ("iterations", "hidden", "threads", "check_every", "check_limit", *self.counts()):
+            if getattr(self, label) < 1:
+                raise SearchError(f"{label} must be at least 1, got {getattr(self, label)}")
+        if not 0 <= self.gamma < 1:
+            raise SearchError(f"gamma must be at least 0 and less than 1, got {self.gamma}")
+        if not self.learning_rate > 0:
+            raise SearchError(f"the learning rate must be positive, got {self.learning_rate}")
+
+    def counts(self) -> tuple[str, ...]:
+        """Names of further fields that must be at least 1."""
+        return ()
+
+    def learning_rate_at(self, iteration: int) -> float:
+        """The learning rate of an iteration, counted from 0."""
+        return self.learning_rate * (1 - 0.9 * iteration / self.iterations)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MirrorDescentConfig(LearnerConfig):
+    """Settings of `mirror-descent`."""
+
+    reward: str = "arrival"
+    """What is paid for: a name in `REWARDS`; exact advantages need a reward that depends on the step alone."""
+    step_size: float = 40.0
+    """How far the policy moves at each iteration: it is fitted to softmax(log policy + step size x advantage)."""
+    fit_steps: int = 24
+    """Steps of Adam per iteration."""
+    batch_states: int = 96
+    """States per step of Adam, in every scene, with all targets each."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not reward_named(self.reward).markov:
+            possible = ", ".join(name for name, reward in REWARDS.items() if reward.markov)
+            raise SearchError(
+                f"the reward '{self.reward}' depends on what was seen earlier, so its advantages cannot be computed "
+                f"exactly: use the learner ppo with it, or one of the rewards {possible}"
+            )
+        if not self.step_size > 0:
+            raise SearchError(f"the step size must be positive, got {self.step_size}")
+
+    def counts(self) -> tuple[str, ...]:
+        """See `LearnerConfig.counts`."""
+        return ("fit_steps", "batch_states")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PpoConfig(LearnerConfig):
+    """Settings of `ppo`."""
+
+    iterations: int = 80
+    """Most iterations: rounds of rollouts and fitting the network to them."""
+    searches: int = 1024
+    """Searches that run side by side, over all scenes."""
+    rollout_steps: int = 32
+    """Steps of each search per iteration."""
+    max_steps: int = 150
+    """Actions after which an episode is cut off; the paper has 5000."""
+    trace_decay: float = 0.95
+    """Lambda of generalised advantage estimation, 0..1."""
+    epochs: int = 4
+    """Passes over an iteration's rollouts."""
+    minibatches: int = 4
+    """Parts a pass is cut into, by state."""
+    clip: float = 0.2
+    """How far the probability ratio may move."""
+    value_weight: float = 0.5
+    """Weight of the squared error of the values."""
+    entropy_weight: float = 0.05
+    """Weight of the entropy at the start; it falls linearly to 0 at 80 % of the iterations."""
+    gradient_norm: float = 0.5
+    """Longer gradients are cut to this length."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 <= self.trace_decay <= 1:
+            raise SearchError(f"the trace decay must be in 0..1, got {self.trace_decay}")
+
+    def counts(self) -> tuple[str, ...]:
+        """See `LearnerConfig.counts`."""
+        return ("searches", "rollout_steps", "max_steps", "epochs", "minibatches")
+
+    def entropy_weight_at(self, iteration: int) -> float:
+        """The entropy weight of an iteration, counted from 0."""
+        return self.entropy_weight * max(0.0, 1 - 1.25 * iteration / self.iterations)
+
+
+def reward_of(config: LearnerConfig) -> Reward:
+    """The reward a configuration names."""
+    return reward_named(config.reward)

@@ -1,0 +1,106 @@
+"""The learners by name. Importing this does not import torch; training does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from active_perceiver.policies.config import LearnerConfig, MirrorDescentConfig, PpoConfig
+from active_perceiver.policies.problem import Problem
+from active_perceiver.search.task import SearchError
+
+if TYPE_CHECKING:
+    from active_perceiver.policies.network import PolicyNetwork
+
+
+@dataclass(frozen=True)
+class Learner:
+    """A way to train a policy.
+
+    Attributes:
+        name: its key in `LEARNERS`.
+        config: the class of its settings.
+        function: where it is, as "module:function".
+        meaning: one line for help texts.
+    """
+
+    name: str
+    config: type[LearnerConfig]
+    function: str
+    meaning: str
+
+    def train(
+        self,
+        problems: Sequence[Problem],
+        config: LearnerConfig | None = None,
+        progress: Callable[[dict[str, float]], None] | None = None,
+    ) -> tuple[PolicyNetwork, list[dict[str, float]]]:
+        """Train a policy with a branch for each problem.
+
+        Args:
+            problems: one per scene, with features of one backbone.
+            config: of the class `config`; None for its defaults.
+            progress: is called with each record of the history.
+
+        Returns:
+            The network and the history; see `Monitor` for what a record holds.
+
+        Raises:
+            SearchError: if torch is not installed, the configuration is another learner's, or the problems do not
+                go together.
+        """
+        config = self.config() if config is None else config
+        if not isinstance(config, self.config):
+            raise SearchError(f"'{self.name}' needs a {self.config.__name__}, got a {type(config).__name__}")
+        module, function = self.function.split(":")
+        try:
+            train = getattr(import_module(module), function)
+        except ModuleNotFoundError as error:
+            raise SearchError(f"training needs {error.name}: pip install 'active-perceiver[train]'") from None
+        with _torch_threads(config.threads):
+            return train(problems, config, progress)
+
+
+LEARNERS: dict[str, Learner] = {
+    learner.name: learner
+    for learner in (
+        Learner(
+            "mirror-descent",
+            MirrorDescentConfig,
+            "active_perceiver.policies.mirror_descent:train_mirror_descent",
+            "exact advantages from the scene's transitions; by far the fastest",
+        ),
+        Learner(
+            "ppo",
+            PpoConfig,
+            "active_perceiver.policies.ppo:train_ppo",
+            "rollouts by table look-ups; for any reward",
+        ),
+    )
+}
+
+
+def learner_named(name: str) -> Learner:
+    """A learner by name.
+
+    Raises:
+        SearchError: if there is none; the message lists those there are.
+    """
+    if name not in LEARNERS:
+        raise SearchError(f"there is no learner '{name}'; choose one of {', '.join(LEARNERS)}")
+    return LEARNERS[name]
+
+
+@contextmanager
+def _torch_threads(count: int) -> Iterator[None]:
+    """Give torch so many threads, and afterwards what it had."""
+    torch = import_module("torch")
+    before = torch.get_num_threads()
+    torch.set_num_threads(count)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)

@@ -1,0 +1,82 @@
+"""Watching a policy while it is trained: the history, and when to stop."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from active_perceiver.policies.config import LearnerConfig
+from active_perceiver.policies.evaluation import SearchResult, exact_evaluation, mean_evaluation
+from active_perceiver.policies.network import PolicyNetwork, problem_table
+from active_perceiver.policies.problem import Problem
+
+Record = dict[str, float]
+Progress = Callable[[Record], None]
+
+# Rounding keeps an exact success from being 1.
+ALWAYS = 1 - 1e-6
+
+
+class Monitor:
+    """Measures a network every few iterations, exactly, and says when it is good enough or time is up.
+
+    A measurement uses one picture per target, another one each time; only when that one is good enough are all of
+    them tried.
+
+    Attributes:
+        history: a record per measurement: `iteration`, `seconds` since the start, `samples` (steps of rollouts so
+            far), `success` (0..1), `mean_steps`, `ratio` (to the fewest steps) and `entropy` (mean over states and
+            targets, in nats).
+    """
+
+    def __init__(self, problems: Sequence[Problem], config: LearnerConfig, progress: Progress | None) -> None:
+        self.history: list[Record] = []
+        self._problems = problems
+        self._config = config
+        self._progress = progress
+        self._started = time.monotonic()
+
+    def finished(self, network: PolicyNetwork, iteration: int, samples: int = 0) -> bool:
+        """Measure if it is time to, tell `progress`, and say whether to stop.
+
+        Args:
+            network: as it is after this iteration.
+            iteration: counted from 1.
+            samples: steps of rollouts so far.
+        """
+        config = self._config
+        out_of_time = config.seconds is not None and time.monotonic() - self._started >= config.seconds
+        if iteration % config.check_every and iteration < config.iterations and not out_of_time:
+            return False
+        result, entropy = self._measure(network, picture=len(self.history))
+        record = {
+            "iteration": iteration,
+            "seconds": time.monotonic() - self._started,
+            "samples": samples,
+            "success": result.success,
+            "mean_steps": result.mean_steps,
+            "ratio": result.ratio,
+            "entropy": entropy,
+        }
+        self.history.append(record)
+        if self._progress is not None:
+            self._progress(record)
+        return out_of_time or (self._good(result) and self._good_with_every_picture(network))
+
+    def _measure(self, network: PolicyNetwork, picture: int) -> tuple[SearchResult, float]:
+        evaluations, entropies = [], []
+        for problem in self._problems:
+            table, _ = problem_table(network, problem, picture % problem.observations.pictures)
+            evaluations.append(exact_evaluation(table, problem.task, self._config.check_limit))
+            entropies.append(-(table * np.log(np.maximum(table, 1e-30))).sum(axis=-1).mean())
+        return mean_evaluation(evaluations).overall, float(np.mean(entropies))
+
+    def _good(self, result: SearchResult) -> bool:
+        target = self._config.target_ratio
+        return target is not None and result.success >= ALWAYS and result.ratio <= target
+
+    def _good_with_every_picture(self, network: PolicyNetwork) -> bool:
+        most = max(problem.observations.pictures for problem in self._problems)
+        return all(self._good(self._measure(network, picture)[0]) for picture in range(most))

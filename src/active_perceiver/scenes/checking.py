@@ -1,0 +1,106 @@
+"""What is wrong with a scene beyond what its loading refuses, and what that means for a search."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from active_perceiver.scenes.images import ImageError
+from active_perceiver.scenes.lattice import UNREACHABLE, goal_states, islands, steps_to_goal
+from active_perceiver.scenes.scene import Scene
+
+# Below this fraction of the image (10 x 10 of 300 x 300 pixels) even the largest box is hardly recognisable.
+TINY_AREA = 0.0011
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One finding.
+
+    Attributes:
+        text: a sentence: what is wrong and what that means.
+        fatal: whether the scene cannot be searched because of it.
+    """
+
+    text: str
+    fatal: bool = False
+
+
+def scene_problems(scene: Scene) -> list[Problem]:
+    """Everything a person should know before training in this scene; fatal findings first."""
+    found = [*_moves(scene), *_targets(scene), *_views(scene)]
+    return sorted(found, key=lambda problem: not problem.fatal)
+
+
+def _moves(scene: Scene) -> list[Problem]:
+    blocked = scene.transitions == np.arange(len(scene))[:, None]
+    if blocked.all():
+        return [Problem("every action is blocked in every state: a robot could not move at all", fatal=True)]
+    found = []
+    stuck = int(blocked.all(axis=1).sum())
+    if stuck:
+        found.append(Problem(f"{stuck} states have no way out: a search that gets there is lost"))
+    parts = np.bincount(islands(scene.transitions))
+    if len(parts) > 1:
+        found.append(
+            Problem(
+                f"the states fall into {len(parts)} islands of {', '.join(str(size) for size in parts[:5])}"
+                f"{' ...' if len(parts) > 5 else ''} states: from one no way leads to another and back"
+            )
+        )
+    for column, action in enumerate(scene.actions):
+        if blocked[:, column].all():
+            found.append(Problem(f"{action.value} is blocked in every state: it could be left out"))
+    return found
+
+
+def _targets(scene: Scene) -> list[Problem]:
+    found = []
+    goals = goal_states(scene.areas)
+    for index, name in enumerate(scene.target_names):
+        largest = float(scene.areas[:, index].max())
+        if largest == 0:
+            found.append(
+                Problem(f"'{name}' is never visible: it can be no target of a search", fatal=not goals.any())
+            )
+            continue
+        if largest < TINY_AREA:
+            pixels = np.sqrt(largest) * scene.image_size
+            found.append(Problem(f"'{name}' is at most {pixels:.0f} pixels large: too small to be recognised"))
+        unreachable = int((steps_to_goal(scene.transitions, goals[:, index]) == UNREACHABLE).sum())
+        if unreachable == len(scene) - int(goals[:, index].sum()) > 0:
+            found.append(Problem(f"no goal state of '{name}' can be reached from anywhere else", fatal=True))
+        elif unreachable:
+            found.append(
+                Problem(f"from {unreachable} states no goal state of '{name}' can be reached; no search starts there")
+            )
+    return found
+
+
+def _views(scene: Scene) -> list[Problem]:
+    found = []
+    copies = sum(count - 1 for count in Counter(scene.views).values())
+    if copies:
+        found.append(Problem(f"{copies} views are exact copies of others: a policy cannot tell these states apart"))
+    broken, sizes = 0, Counter[tuple[int, ...]]()
+    for state in range(len(scene)):
+        try:
+            sizes[scene.view(state).shape[:2]] += 1
+        except ImageError:
+            broken += 1
+    if broken:
+        found.append(Problem(f"{broken} views cannot be decoded: capture the scene again", fatal=True))
+    odd = sum(count for size, count in sizes.items() if size != (scene.image_size,) * 2)
+    if odd:
+        found.append(
+            Problem(f"{odd} views are not {scene.image_size} x {scene.image_size} pixels; they will be scaled")
+        )
+    for target in scene.targets:
+        for index in range(len(target.pictures)):
+            try:
+                target.picture(index)
+            except ImageError as error:
+                found.append(Problem(str(error), fatal=True))
+    return found

@@ -1,0 +1,33 @@
+"""The search for targets in a scene: tasks, observations, rewards and Gymnasium environments.
+
+Importing this registers the environment `ActivePerceiver/Search-v0` with Gymnasium.
+"""
+
+from gymnasium.envs.registration import register
+
+from active_perceiver.search.env import SearchEnv
+from active_perceiver.search.location import location_mask
+from active_perceiver.search.observations import Observations
+from active_perceiver.search.rewards import REWARDS, Reward, reward_named
+from active_perceiver.search.searches import Searches
+from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.vector_env import SearchVectorEnv
+
+__all__ = [
+    "REWARDS",
+    "Observations",
+    "Reward",
+    "SearchEnv",
+    "SearchError",
+    "SearchTask",
+    "SearchVectorEnv",
+    "Searches",
+    "location_mask",
+    "reward_named",
+]
+
+register(
+    id="ActivePerceiver/Search-v0",
+    entry_point="active_perceiver.search.env:SearchEnv",
+    vector_entry_point="active_perceiver.search.vector_env:SearchVectorEnv",
+)
