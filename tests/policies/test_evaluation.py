@@ -16,7 +16,7 @@ from active_perceiver.policies import (
     policy_table,
     run_episode,
 )
-from active_perceiver.policies.evaluation import exact_arrivals
+from active_perceiver.policies.arrivals import exact_arrivals
 from active_perceiver.search import SearchEnv, SearchError, SearchTask
 
 

@@ -176,6 +176,14 @@ def test_stops_when_time_is_up_and_gives_threads_back(name, problem):
     assert torch.get_num_threads() == threads
 
 
+def test_stops_when_it_gets_no_better(problem):
+    config = replace(CONFIGS["mirror-descent"], target_ratio=0.5, patience=2)
+    _, history = LEARNERS["mirror-descent"].train([problem], config)
+    ratios = [record["ratio"] for record in history]
+    assert len(ratios) < config.iterations
+    assert min(ratios[-2:]) > min(ratios[:-2]) * 0.998
+
+
 def test_says_which_learner_takes_a_reward_that_depends_on_the_past():
     with pytest.raises(SearchError, match="use the learner ppo with it, or one of the rewards arrival, goal, area"):
         MirrorDescentConfig(reward="record")
@@ -187,6 +195,7 @@ def test_says_which_learner_takes_a_reward_that_depends_on_the_past():
         (MirrorDescentConfig, {"iterations": 0}, "iterations must be at least 1"),
         (MirrorDescentConfig, {"fit_steps": 0}, "fit_steps must be at least 1"),
         (MirrorDescentConfig, {"step_size": -1.0}, "step size"),
+        (MirrorDescentConfig, {"patience": 0}, "patience must be"),
         (MirrorDescentConfig, {"gamma": 1.0}, "gamma"),
         (MirrorDescentConfig, {"learning_rate": 0.0}, "learning rate"),
         (MirrorDescentConfig, {"reward": "fun"}, "no reward 'fun'"),

@@ -86,7 +86,12 @@ def test_renders_the_view(name, scene):
 
 def test_opens_a_scene_file(scene, tmp_path):
     save_scene(scene, tmp_path / "room.h5")
-    env = gymnasium.make("ActivePerceiver/Search-v0", scene=tmp_path / "room.h5", targets=["ball1"], image_size=32)
+    env = gymnasium.make(
+        "active_perceiver.search:ActivePerceiver/Search-v0",
+        scene=tmp_path / "room.h5",
+        targets=["ball1"],
+        image_size=32,
+    )
     observation, _ = env.reset(seed=0)
     assert observation["view"].shape == (32, 32, 3)
     assert observation["mask"].shape == (25,)

@@ -26,6 +26,8 @@ class LearnerConfig:
     """Of everything random; the same seed gives the same policy, if no time limit ends the training."""
     target_ratio: float | None = 1.01
     """Stop once every search arrives and takes no more than so many times the fewest steps, with every picture."""
+    patience: int | None = None
+    """Stop once so many measurements in a row have not made the ratio 0.2 % better; None to go on."""
     seconds: float | None = None
     """Stop after so many seconds."""
     threads: int = 1
@@ -40,6 +42,8 @@ class LearnerConfig:
         for label in ("iterations", "hidden", "threads", "check_every", "check_limit", *self.counts()):
             if getattr(self, label) < 1:
                 raise SearchError(f"{label} must be at least 1, got {getattr(self, label)}")
+        if self.patience is not None and self.patience < 1:
+            raise SearchError(f"patience must be at least 1 or None, got {self.patience}")
         if not 0 <= self.gamma < 1:
             raise SearchError(f"gamma must be at least 0 and less than 1, got {self.gamma}")
         if not self.learning_rate > 0:
@@ -66,6 +70,8 @@ class MirrorDescentConfig(LearnerConfig):
     """Steps of Adam per iteration."""
     batch_states: int = 96
     """States per step of Adam, in every scene, with all targets each."""
+    patience: int | None = 15
+    """Stop once so many measurements in a row have not made the ratio 0.2 % better; None to go on."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

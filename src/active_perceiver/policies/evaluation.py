@@ -9,17 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.policies.chain import checked_table, policy_chain
+from active_perceiver.policies.arrivals import LIMIT, Arrivals, episode_arrivals, exact_arrivals
+from active_perceiver.policies.chain import checked_table
 from active_perceiver.policies.sampling import ActionSampler
 from active_perceiver.search.rewards import REWARDS
 from active_perceiver.search.searches import Searches
 from active_perceiver.search.task import SearchError, SearchTask
-
-LIMIT = 5000
-"""Steps after which a search has failed (the paper, section V)."""
-
-# A chain is followed no further than to where so little probability is under way that no figure can change.
-NEGLIGIBLE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -72,63 +67,6 @@ class Evaluation:
 
 def _json_fields(result: SearchResult) -> dict[str, Any]:
     return {key: None if value != value else value for key, value in asdict(result).items()}
-
-
-@dataclass(frozen=True, eq=False)
-class Arrivals:
-    """When searches arrive, for each of n starts or of n episodes.
-
-    Attributes:
-        shortest: (n,) fewest actions possible.
-        success: (n,) probability of arriving within the limit.
-        steps: (n,) sum over arrival times of probability times actions.
-        inverse_steps: (n,) sum over arrival times of probability / actions.
-        histogram: (limit + 1,) probability of arriving with exactly so many actions, mean over the n.
-    """
-
-    shortest: NDArray[np.int64]
-    success: NDArray[np.float64]
-    steps: NDArray[np.float64]
-    inverse_steps: NDArray[np.float64]
-    histogram: NDArray[np.float64]
-
-
-def exact_arrivals(
-    probabilities: NDArray[np.floating], task: SearchTask, target: int, limit: int = LIMIT
-) -> Arrivals:
-    """The distribution of the number of actions to a goal from every start, without sampling.
-
-    The probability to arrive after exactly k actions obeys a_k = Q a_(k-1), where Q is the chain among the starts
-    and a_1 the probability of stepping into a goal; what steps to where no goal can be reached is lost.
-
-    Args:
-        probabilities: (S, A) of the actions, for this target.
-        task: the search.
-        target: index of the target.
-        limit: most actions.
-    """
-    among = task.steps[:, target] > 0
-    chain = policy_chain(task, probabilities, among)
-    into_goal = task.goals[task.transitions[among], target]
-    arriving = (probabilities[among].astype(np.float64) * into_goal).sum(axis=1)
-    pair = np.column_stack([arriving, chain @ np.ones(len(arriving))])  # arriving now, still under way
-    arrivals = Arrivals(
-        shortest=task.steps[among, target],
-        success=np.zeros_like(arriving),
-        steps=np.zeros_like(arriving),
-        inverse_steps=np.zeros_like(arriving),
-        histogram=np.zeros(limit + 1),
-    )
-    for count in range(1, limit + 1):
-        now = pair[:, 0]
-        arrivals.success[:] += now
-        arrivals.steps[:] += count * now
-        arrivals.inverse_steps[:] += now / count
-        arrivals.histogram[count] = now.mean()
-        if pair[:, 1].max() < NEGLIGIBLE:
-            break
-        pair = chain @ pair
-    return arrivals
 
 
 def exact_evaluation(table: NDArray[np.floating], task: SearchTask, limit: int = LIMIT) -> Evaluation:
@@ -185,7 +123,7 @@ def episode_evaluation(
             break
     shortest = task.steps[starts, targets].reshape(count, episodes)
     arrivals = [
-        _episode_arrivals(shortest[target], taken.reshape(count, episodes)[target], limit) for target in range(count)
+        episode_arrivals(shortest[target], taken.reshape(count, episodes)[target], limit) for target in range(count)
     ]
     return _evaluation(task, arrivals, {"kind": "episodes", "episodes": episodes, "limit": limit})
 
@@ -212,13 +150,6 @@ def _checked(table: NDArray[np.floating], task: SearchTask, limit: int) -> NDArr
     if limit < 1:
         raise SearchError(f"the limit is at least 1 step, got {limit}")
     return checked_table(table, task)
-
-
-def _episode_arrivals(shortest: NDArray[np.int64], taken: NDArray[np.int64], limit: int) -> Arrivals:
-    success = (taken > 0).astype(np.float64)
-    histogram = np.bincount(taken, minlength=limit + 1) / len(taken)
-    histogram[0] = 0.0
-    return Arrivals(shortest, success, taken.astype(np.float64), success / np.maximum(taken, 1), histogram)
 
 
 def _evaluation(task: SearchTask, arrivals: Sequence[Arrivals], protocol: dict[str, Any]) -> Evaluation:

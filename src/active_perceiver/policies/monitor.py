@@ -17,6 +17,8 @@ Progress = Callable[[Record], None]
 
 # Rounding keeps an exact success from being 1.
 ALWAYS = 1 - 1e-6
+# Less than this is no progress: pictures and batches differ by as much.
+PROGRESS = 0.002
 
 
 class Monitor:
@@ -37,6 +39,8 @@ class Monitor:
         self._config = config
         self._progress = progress
         self._started = time.monotonic()
+        self._best_ratio = float("inf")
+        self._best_at = 0  # measurements up to the best one
 
     def finished(self, network: PolicyNetwork, iteration: int, samples: int = 0) -> bool:
         """Measure if it is time to, tell `progress`, and say whether to stop.
@@ -63,7 +67,7 @@ class Monitor:
         self.history.append(record)
         if self._progress is not None:
             self._progress(record)
-        return out_of_time or (self._good(result) and self._good_with_every_picture(network))
+        return out_of_time or self._stalled(result) or (self._good(result) and self._good_with_every_picture(network))
 
     def _measure(self, network: PolicyNetwork, picture: int) -> tuple[SearchResult, float]:
         evaluations, entropies = [], []
@@ -72,6 +76,15 @@ class Monitor:
             evaluations.append(exact_evaluation(table, problem.task, self._config.check_limit))
             entropies.append(-(table * np.log(np.maximum(table, 1e-30))).sum(axis=-1).mean())
         return mean_evaluation(evaluations).overall, float(np.mean(entropies))
+
+    def _stalled(self, result: SearchResult) -> bool:
+        """Whether searches always arrive, but have not become shorter for `patience` measurements."""
+        if result.success < ALWAYS:
+            return False
+        if result.ratio < self._best_ratio * (1 - PROGRESS):
+            self._best_ratio, self._best_at = result.ratio, len(self.history)
+        patience = self._config.patience
+        return patience is not None and len(self.history) - self._best_at >= patience
 
     def _good(self, result: SearchResult) -> bool:
         target = self._config.target_ratio

@@ -1,6 +1,7 @@
 """The search for targets in a scene: tasks, observations, rewards and Gymnasium environments.
 
-Importing this registers the environment `ActivePerceiver/Search-v0` with Gymnasium.
+Importing this registers the environment `ActivePerceiver/Search-v0` with Gymnasium; without an import, make it as
+`gymnasium.make("active_perceiver.search:ActivePerceiver/Search-v0", scene=...)`.
 """
 
 from gymnasium.envs.registration import register
