@@ -1,0 +1,150 @@
+"""Which pairs of a view and a target picture a recogniser learns from, and which it is judged by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.recognition.recogniser import RecogniserError
+from active_perceiver.scenes.scene import Scene
+
+PRESENT, ABSENT, UNJUDGED = 1, 0, -1
+
+
+@dataclass(frozen=True, eq=False)
+class Annotations:
+    """Everything that is known about the views and targets of some scenes, one after the other.
+
+    Attributes:
+        boxes: (V, T, 4) float32 true boxes; zeros where the target is not visible.
+        states: (V, T) int8: PRESENT, ABSENT, or UNJUDGED, that is too small to tell or of another scene.
+        names: (T,) "scene/target".
+        pictures: (T,) number of pictures of each target.
+        places: (V,) int64, the same for views taken at the same place of the same scene.
+    """
+
+    boxes: NDArray[np.float32]
+    states: NDArray[np.int8]
+    names: NDArray[np.str_]
+    pictures: NDArray[np.int64]
+    places: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, scenes: Sequence[Scene], smallest_area: float) -> Annotations:
+        """Collect them; visible objects that cover less than `smallest_area` of the image are not judged."""
+        views = np.cumsum([0] + [len(scene) for scene in scenes])
+        targets = np.cumsum([0] + [len(scene.targets) for scene in scenes])
+        boxes = np.zeros((views[-1], targets[-1], 4), np.float32)
+        states = np.full((views[-1], targets[-1]), UNJUDGED, np.int8)
+        places = np.empty(views[-1], np.int64)
+        before = 0
+        for number, scene in enumerate(scenes):
+            rows, columns = slice(views[number], views[number + 1]), slice(targets[number], targets[number + 1])
+            boxes[rows, columns] = np.nan_to_num(scene.boxes)
+            visible = ~np.isnan(scene.boxes[..., 0])
+            states[rows, columns] = np.where(
+                visible, np.where(scene.areas >= smallest_area, PRESENT, UNJUDGED), ABSENT
+            )
+            places[rows] = before + scene.positions
+            before += int(scene.positions.max(initial=-1)) + 1
+        names = [f"{scene.name}/{target.name}" for scene in scenes for target in scene.targets]
+        pictures = [len(target.pictures) for scene in scenes for target in scene.targets]
+        return cls(boxes, states, np.array(names, np.str_), np.array(pictures, np.int64), places)
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """What is kept out of training.
+
+    Attributes:
+        views: (V,) bool, held out; all views of a place are on one side.
+        targets: (T,) bool, held out altogether.
+        seen_pictures: (T,) int64: pictures 0 .. n - 1 are trained with, the rest are held out.
+    """
+
+    views: NDArray[np.bool_]
+    targets: NDArray[np.bool_]
+    seen_pictures: NDArray[np.int64]
+
+    @classmethod
+    def of(
+        cls, data: Annotations, places: float, pictures: int, targets: Sequence[str], rng: np.random.Generator
+    ) -> Split:
+        """Hold out a fraction of the places, the last pictures of each target, and some targets by name.
+
+        A target with no more than `pictures` pictures keeps them all for training; where there are two places or
+        more, one at least is held out and one kept.
+
+        Raises:
+            RecogniserError: if there is no target of one of the names.
+        """
+        short_names = [name.split("/")[-1] for name in data.names]
+        if unknown := [name for name in targets if name not in short_names]:
+            raise RecogniserError(f"there are no targets {unknown} to hold out; there are {sorted(set(short_names))}")
+        known = np.unique(data.places)
+        count = min(max(round(places * len(known)), int(places > 0)), len(known) - 1)
+        return cls(
+            views=np.isin(data.places, rng.permutation(known)[:count]),
+            targets=np.isin(short_names, targets),
+            seen_pictures=np.where(data.pictures > pictures, data.pictures - pictures, data.pictures),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """N views, each asked for M targets.
+
+    Attributes:
+        views: (N,) int64.
+        targets: (N, M) int64.
+        pictures: (N, M) int64, which picture each target is asked for with.
+        states: (N, M) int8.
+        boxes: (N, M, 4) float32.
+    """
+
+    views: NDArray[np.int64]
+    targets: NDArray[np.int64]
+    pictures: NDArray[np.int64]
+    states: NDArray[np.int8]
+    boxes: NDArray[np.float32]
+
+
+class PairSampler:
+    """Draws batches that are balanced over targets and over presence.
+
+    A view is drawn for one target, in which it is present with probability `present`; the other targets asked for in
+    the same view are mostly absent while something else is there: the hard cases of "no".
+    """
+
+    def __init__(self, data: Annotations, split: Split, present: float, rng: np.random.Generator) -> None:
+        """Raises RecogniserError if no target is visible in any training view."""
+        self._data, self._split, self._present, self._rng = data, split, present, rng
+        self._learned = ~split.targets
+        states = np.where(split.views[:, None] | split.targets, UNJUDGED, data.states)
+        self._with = [np.flatnonzero(column == PRESENT) for column in states.T]
+        self._without = [np.flatnonzero(column == ABSENT) for column in states.T]
+        self._leads = np.flatnonzero([len(views) > 0 for views in self._with])
+        if len(self._leads) == 0:
+            raise RecogniserError(
+                "no target is large enough in any view to learn from; is it annotated, and is `smallest_area` right?"
+            )
+
+    def draw(self, views: int, targets: int) -> Batch:
+        """A batch of `views` views with `targets` targets each, or as many as there are."""
+        rng = self._rng
+        leads = rng.choice(self._leads, views)
+        rows = np.array([self._view_for(lead, rng.random() < self._present) for lead in leads])
+        order = rng.random((views, len(self._learned)))
+        order[~self._learned[None] | (self._data.states[rows] == UNJUDGED)] += 1.0  # as a last resort
+        order[np.arange(views), leads] = -1.0
+        asked = np.argsort(order, axis=1)[:, :targets]
+        pictures = (rng.random(asked.shape) * self._split.seen_pictures[asked]).astype(np.int64)
+        states = np.where(self._learned[asked], self._data.states[rows[:, None], asked], UNJUDGED)
+        return Batch(rows, asked, pictures, states.astype(np.int8), self._data.boxes[rows[:, None], asked])
+
+    def _view_for(self, target: int, present: bool) -> int:
+        views = self._with[target] if present or not len(self._without[target]) else self._without[target]
+        return int(self._rng.choice(views))

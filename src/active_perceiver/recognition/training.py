@@ -1,0 +1,261 @@
+"""Training a recogniser on annotated scenes (the paper, section IV-A), and judging it on what it has not seen."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from active_perceiver.recognition.export import export_recogniser, recogniser_onnx, save_network
+from active_perceiver.recognition.judging import judge_split
+from active_perceiver.recognition.metrics import SMALLEST_AREA, RecognitionMetrics
+from active_perceiver.recognition.network import RECOGNISERS, RecogniserNetwork
+from active_perceiver.recognition.pairs import PRESENT, UNJUDGED, Annotations, PairSampler, Split
+from active_perceiver.recognition.recogniser import Recogniser, RecogniserError
+from active_perceiver.scenes.scene import Scene
+from active_perceiver.vision.cache import SceneFeatures
+
+# Views whose principal components are taken; their cells are far more than the components.
+FIT_VIEWS = 100
+PREPARE_BATCH = 32
+
+Progress = Callable[[int, int, float], None]
+
+
+@dataclass(frozen=True)
+class RecogniserConfig:
+    """How a recogniser is trained; `CONFIGS` has the settings that suit each kind."""
+
+    kind: str = "matching"
+    """Which network: "matching" (a heat map of the target's centre) or "pooled" (the paper's)."""
+    steps: int = 900
+    """Updates of the weights."""
+    views: int = 24
+    """Views in a batch."""
+    targets: int = 3
+    """Targets asked for in each view of a batch."""
+    present: float = 0.7
+    """How often the target that a view is drawn for is in it."""
+    optimiser: str = "adamw"
+    """Either "adamw", with a learning rate that rises and falls (OneCycle), or "sgd", as in the paper."""
+    learning_rate: float = 2e-3
+    """The highest learning rate."""
+    weight_decay: float = 1e-2
+    """Pull of the weights towards zero."""
+    noise: float = 0.1
+    """Standard deviation of the noise on features, as a fraction of their own."""
+    held_out_places: float = 0.2
+    """Fraction of the places whose views are kept for judging."""
+    held_out_pictures: int = 2
+    """Number of pictures of each target, the last ones, that are kept for judging."""
+    held_out_targets: tuple[str, ...] = ()
+    """Names of targets not to train on, to see what it makes of things it does not know."""
+    smallest_area: float = SMALLEST_AREA
+    """Smaller visible objects, as a fraction of the image, count neither as there nor as absent."""
+    most_false: float = 0.005
+    """The threshold is chosen such that at most this fraction of views without the target counts as seen."""
+    seed: int = 0
+    """All that is drawn follows from it."""
+    threads: int = 2
+    """CPU threads; results are the same for the same number."""
+
+    def __post_init__(self) -> None:
+        if self.kind not in RECOGNISERS:
+            raise RecogniserError(f"there is no recogniser '{self.kind}'; there are {', '.join(RECOGNISERS)}")
+        if self.optimiser not in ("adamw", "sgd"):
+            raise RecogniserError(f"the optimiser is adamw or sgd, not '{self.optimiser}'")
+        if min(self.steps, self.views, self.targets, self.threads) < 1:
+            raise RecogniserError("steps, views, targets and threads must be at least 1")
+        if not (0.0 <= self.held_out_places < 1.0 and 0.0 <= self.present <= 1.0 and self.held_out_pictures >= 0):
+            raise RecogniserError(
+                "held_out_places must be in 0..1 (not 1), present in 0..1, held_out_pictures 0 or more"
+            )
+
+
+CONFIGS: dict[str, RecogniserConfig] = {
+    "matching": RecogniserConfig(),
+    "pooled": RecogniserConfig(
+        kind="pooled", steps=6000, optimiser="sgd", learning_rate=1e-3, weight_decay=1e-4, targets=2
+    ),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class TrainedRecogniser:
+    """A trained network and how good it is.
+
+    Attributes:
+        network: in evaluation mode, calibrated.
+        config: how it was trained.
+        threshold: presence probability from which on a detection counts.
+        metrics: "seen pictures" and "unseen pictures" on views of places it has not seen, and "unknown targets" if
+            any were held out.
+        validation_views: for each scene the (S,) bool mask of views that were held out.
+        backbone: fingerprint of the backbone whose features it takes.
+        seconds: wall time of training.
+    """
+
+    network: RecogniserNetwork
+    config: RecogniserConfig
+    threshold: float
+    metrics: Mapping[str, RecognitionMetrics]
+    validation_views: tuple[NDArray[np.bool_], ...]
+    backbone: str
+    seconds: float
+
+    def recogniser(self, threads: int | None = None) -> Recogniser:
+        """For running it at once, without a file."""
+        return Recogniser(recogniser_onnx(self.network, self.threshold, self.backbone), threads)
+
+    def save(self, folder: Path | str) -> None:
+        """Write `recogniser.onnx`, to run it, and `recogniser.safetensors`, to train it on."""
+        export_recogniser(self.network, Path(folder) / "recogniser.onnx", self.threshold, self.backbone)
+        save_network(self.network, Path(folder) / "recogniser.safetensors")
+
+
+def train_recogniser(
+    scenes: Sequence[Scene],
+    features: Sequence[SceneFeatures],
+    config: RecogniserConfig | None = None,
+    progress: Progress | None = None,
+) -> TrainedRecogniser:
+    """Train on all annotated targets of some scenes.
+
+    Args:
+        scenes: with boxes and target pictures.
+        features: of the scenes, in the same order, by one backbone.
+        config: how; None for the default.
+        progress: called after every update with its number, the number of all, and a running mean of the loss.
+
+    Raises:
+        RecogniserError: if scenes and features do not fit, or no target is visible anywhere.
+    """
+    config = config or CONFIGS["matching"]
+    _check(scenes, features)
+    started = time.monotonic()
+    threads = torch.get_num_threads()
+    torch.set_num_threads(config.threads)
+    try:
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(config.seed)
+            return _train(scenes, features, config, progress, started)
+    finally:
+        torch.set_num_threads(threads)
+
+
+def _check(scenes: Sequence[Scene], features: Sequence[SceneFeatures]) -> None:
+    if not scenes or len(scenes) != len(features):
+        raise RecogniserError(
+            f"training needs scenes and the features of each: got {len(scenes)} and {len(features)}"
+        )
+    for scene, feature in zip(scenes, features, strict=True):
+        if len(feature.view_maps) != len(scene) or len(feature.target_maps) != len(scene.targets):
+            raise RecogniserError(f"the features given for scene '{scene.name}' are of another scene")
+    if len({(feature.backbone, feature.view_maps.shape[1:]) for feature in features}) > 1:
+        raise RecogniserError("the scenes' features come from different backbones or image sizes; use one for all")
+
+
+def _train(
+    scenes: Sequence[Scene],
+    features: Sequence[SceneFeatures],
+    config: RecogniserConfig,
+    progress: Progress | None,
+    started: float,
+) -> TrainedRecogniser:
+    rng = np.random.default_rng(config.seed)
+    data = Annotations.of(scenes, config.smallest_area)
+    split = Split.of(data, config.held_out_places, config.held_out_pictures, config.held_out_targets, rng)
+    sampler = PairSampler(data, split, config.present, rng)
+    network = RECOGNISERS[config.kind](features[0].view_maps.shape[1:])
+    network.fit(_sample_of_views(features, split, rng))
+    views = torch.cat([_prepared(network.prepare, feature.view_maps) for feature in features])
+    # Targets of scenes with fewer pictures are padded; those rows are never asked for.
+    most = max(feature.target_maps.shape[1] for feature in features)
+    pictures = torch.cat(
+        [
+            _prepared(network.prepare_target, np.take(maps, np.arange(most) % maps.shape[1], 0))
+            for f in features
+            for maps in f.target_maps
+        ]
+    ).unflatten(0, (-1, most))
+
+    _optimise(network.train(), views, pictures, sampler, config, progress)
+    network.eval()
+    threshold, metrics = judge_split(network, views, pictures, data, split, config.most_false)
+    ends = np.cumsum([len(scene) for scene in scenes])[:-1]
+    return TrainedRecogniser(
+        network=network,
+        config=config,
+        threshold=threshold,
+        metrics=metrics,
+        validation_views=tuple(np.split(split.views, ends)),
+        backbone=features[0].backbone,
+        seconds=time.monotonic() - started,
+    )
+
+
+def _optimise(
+    network: RecogniserNetwork,
+    views: Tensor,
+    pictures: Tensor,
+    sampler: PairSampler,
+    config: RecogniserConfig,
+    progress: Progress | None,
+) -> None:
+    weights = list(network.parameters())
+    rate, decay = config.learning_rate, config.weight_decay
+    if config.optimiser == "adamw":
+        optimiser: torch.optim.Optimizer = torch.optim.AdamW(weights, rate, weight_decay=decay)
+        schedule: torch.optim.lr_scheduler.LRScheduler = torch.optim.lr_scheduler.OneCycleLR(
+            optimiser, rate, total_steps=config.steps + 1
+        )
+    else:
+        optimiser = torch.optim.SGD(weights, rate, momentum=0.9, weight_decay=decay)
+        schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, config.steps)
+    view_noise, picture_noise = (config.noise * float(table.float().std()) for table in (views, pictures))
+    mean_loss = float("nan")
+    for step in range(1, config.steps + 1):
+        batch = sampler.draw(config.views, config.targets)
+        shown = views[torch.from_numpy(batch.views)].float()
+        asked = pictures[torch.from_numpy(batch.targets), torch.from_numpy(batch.pictures)].float().flatten(0, 1)
+        shown += view_noise * torch.randn_like(shown)
+        asked += picture_noise * torch.randn_like(asked)
+        codes = network.encode_target(asked).unflatten(0, batch.targets.shape)
+        judged = network.judge(network.encode_view(shown), codes)
+        states = torch.from_numpy(batch.states).flatten()
+        counts = states != UNJUDGED
+        present = (states == PRESENT).float()[counts]
+        loss = network.loss(judged[counts], present, torch.from_numpy(batch.boxes).flatten(0, 1)[counts])
+        optimiser.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(weights, 5.0)
+        optimiser.step()
+        schedule.step()
+        mean_loss = loss.item() if step == 1 else 0.98 * mean_loss + 0.02 * loss.item()
+        if progress is not None:
+            progress(step, config.steps, mean_loss)
+
+
+def _sample_of_views(features: Sequence[SceneFeatures], split: Split, rng: np.random.Generator) -> Tensor:
+    """Maps of some training views of all scenes, (N, C, h, w) float32."""
+    scene_of = np.repeat(np.arange(len(features)), [len(feature.view_maps) for feature in features])
+    row_of = np.concatenate([np.arange(len(feature.view_maps)) for feature in features])
+    chosen = rng.permutation(np.flatnonzero(~split.views))[:FIT_VIEWS]
+    maps = [features[scene].view_maps[row] for scene, row in zip(scene_of[chosen], row_of[chosen], strict=True)]
+    return torch.from_numpy(np.stack(maps).astype(np.float32))
+
+
+@torch.inference_mode()
+def _prepared(prepare: Callable[[Tensor], Tensor], maps: NDArray[np.float16]) -> Tensor:
+    """What a network makes of maps without learning, as float16: (N, C, h, w) -> (N, ...)."""
+    parts = [
+        prepare(torch.from_numpy(maps[start : start + PREPARE_BATCH].astype(np.float32))).half()
+        for start in range(0, len(maps), PREPARE_BATCH)
+    ]
+    return torch.cat(parts)

@@ -1,0 +1,3 @@
+from small import backbone, rng
+
+__all__ = ["backbone", "rng"]
