@@ -1,11 +1,48 @@
 """Fixtures that several test folders share."""
 
+from pathlib import Path
+
 import pytest
 
-from active_perceiver.scenes import Scene
+from active_perceiver.experiments.settings import TrainSettings
+from active_perceiver.scenes import Scene, save_scene
 from toy import toy_scene
 
 
 @pytest.fixture(scope="session")
 def scene() -> Scene:
+    """A small scene that takes a quarter of a second."""
     return toy_scene()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Tests neither use nor fill the user's cache."""
+    folder = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ACTIVE_PERCEIVER_CACHE", str(folder))
+        yield folder
+
+
+@pytest.fixture(scope="session")
+def scene_file(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The small scene as a file."""
+    path = tmp_path_factory.mktemp("scenes") / "toy_0.h5"
+    save_scene(scene, path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def settings(scene_file: Path) -> TrainSettings:
+    """A training of seconds; the tests that need its result are in the xdist group "agent", so that it runs once."""
+    return TrainSettings(scenes=(str(scene_file),), recogniser_steps=60, image_size=96)
+
+
+@pytest.fixture(scope="session")
+def agent_folder(settings: TrainSettings, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An agent trained on the small scene."""
+    from active_perceiver.experiments.training import train_agent
+
+    folder = tmp_path_factory.mktemp("agents") / "toy"
+    train_agent(settings, folder)
+    return folder

@@ -41,8 +41,13 @@ def test_matching_learns(trained):
 
 
 def test_pooled_learns(scene, features):
-    config = replace(CONFIGS["pooled"], steps=250, threads=1)
+    config = replace(CONFIGS["pooled"], steps=150, threads=1)
     assert train_recogniser([scene], [features], config).metrics["seen pictures"].auroc > 0.65
+
+
+def test_the_papers_optimiser_runs(scene, features):
+    config = replace(CONFIGS["pooled"], steps=3, optimiser="sgd", threads=1)
+    assert np.isfinite(train_recogniser([scene], [features], config).metrics["seen pictures"].auroc)
 
 
 def test_training_is_deterministic(scene, features, trained):

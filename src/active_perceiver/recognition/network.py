@@ -101,19 +101,33 @@ def inside_image(boxes: Tensor) -> Tensor:
 
 
 class PooledRecogniser(RecogniserNetwork):
-    """The paper's recogniser (section IV-A): both maps averaged over the image, then fully connected layers."""
+    """The paper's recogniser (section IV-A): both maps averaged over the image, then fully connected layers.
+
+    The averages are standardised first; they are small positive numbers, on which training is slow.
+    """
+
+    mean: Tensor
+    spread: Tensor
 
     def __init__(self, map_shape: tuple[int, int, int], width: int = 512) -> None:
         super().__init__(map_shape)
+        self.register_buffer("mean", torch.zeros(map_shape[0]))
+        self.register_buffer("spread", torch.ones(map_shape[0]))
         self.view = nn.Linear(map_shape[0], width)
         self.target = nn.Linear(map_shape[0], width)
         self.fuse = nn.Linear(2 * width, width)
         self.presence = nn.Sequential(nn.Linear(width, width), nn.ReLU(), nn.Linear(width, 1))
         self.box = nn.Sequential(nn.Linear(width, width), nn.ReLU(), nn.Linear(width, 4))
 
+    def fit(self, maps: Tensor) -> None:
+        """Take each feature's mean and standard deviation over a sample of views."""
+        averages = maps.mean(dim=(2, 3))
+        self.mean.copy_(averages.mean(0))
+        self.spread.copy_(averages.std(0).clamp(min=1e-3))
+
     def prepare(self, maps: Tensor) -> Tensor:
-        """Global average: (N, C, h, w) -> (N, C)."""
-        return maps.mean(dim=(2, 3))
+        """Global average, standardised: (N, C, h, w) -> (N, C)."""
+        return (maps.mean(dim=(2, 3)) - self.mean) / self.spread
 
     def encode_view(self, prepared: Tensor) -> Tensor:
         """(N, C) -> (N, 512)."""

@@ -62,15 +62,15 @@ class RecogniserConfig:
     """The threshold is chosen such that at most this fraction of views without the target counts as seen."""
     seed: int = 0
     """All that is drawn follows from it."""
-    threads: int = 2
-    """CPU threads; results are the same for the same number."""
+    threads: int | None = None
+    """CPU threads; torch's own number if None. Results are the same for the same number."""
 
     def __post_init__(self) -> None:
         if self.kind not in RECOGNISERS:
             raise RecogniserError(f"there is no recogniser '{self.kind}'; there are {', '.join(RECOGNISERS)}")
         if self.optimiser not in ("adamw", "sgd"):
             raise RecogniserError(f"the optimiser is adamw or sgd, not '{self.optimiser}'")
-        if min(self.steps, self.views, self.targets, self.threads) < 1:
+        if min(self.steps, self.views, self.targets, 1 if self.threads is None else self.threads) < 1:
             raise RecogniserError("steps, views, targets and threads must be at least 1")
         if not (0.0 <= self.held_out_places < 1.0 and 0.0 <= self.present <= 1.0 and self.held_out_pictures >= 0):
             raise RecogniserError(
@@ -80,9 +80,8 @@ class RecogniserConfig:
 
 CONFIGS: dict[str, RecogniserConfig] = {
     "matching": RecogniserConfig(),
-    "pooled": RecogniserConfig(
-        kind="pooled", steps=6000, optimiser="sgd", learning_rate=1e-3, weight_decay=1e-4, targets=2
-    ),
+    # With the paper's SGD its network learned next to nothing in 3000 steps (AUROC 0.84, AdamW 0.98 in 1500).
+    "pooled": RecogniserConfig(kind="pooled", steps=2000, learning_rate=1e-3),
 }
 
 
@@ -140,7 +139,7 @@ def train_recogniser(
     _check(scenes, features)
     started = time.monotonic()
     threads = torch.get_num_threads()
-    torch.set_num_threads(config.threads)
+    torch.set_num_threads(config.threads or threads)
     try:
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(config.seed)

@@ -1,0 +1,108 @@
+"""What an agent's folder says about itself: `config.json` and the pictures of the targets it was trained for."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from active_perceiver.errors import UserError
+from active_perceiver.files import replacing
+from active_perceiver.scenes import Action
+
+FORMAT = "active-perceiver-agent"
+VERSION = 1
+
+
+class AgentError(UserError, ValueError):
+    """An agent folder that cannot be used; the message says which and what to do."""
+
+
+@dataclass(frozen=True)
+class KnownTarget:
+    """A target the policy was trained for.
+
+    Attributes:
+        scene: the scene, and policy branch, it was trained in.
+        name: the target's name there.
+        found_area: the agent says found when its own box covers at least this fraction of the image.
+    """
+
+    scene: str
+    name: str
+    found_area: float
+
+
+@dataclass(frozen=True)
+class AgentConfig:
+    """How an agent is put together. Everything in it is plain data.
+
+    Attributes:
+        backbone: name of the frozen feature extractor.
+        image_size: side in pixels to which views and pictures are scaled.
+        recogniser: kind of recogniser, "matching" or "pooled".
+        score_threshold: presence probability from which on a detection counts.
+        branches: policy branch (scene name) -> names of its actions.
+        targets: what the policy was trained for.
+        found_area: `KnownTarget.found_area` for a picture that shows none of them.
+        known_similarity: cosine similarity of pooled features from which on a picture shows a known target.
+        training: how it was trained (settings and seeds), for people to read.
+    """
+
+    backbone: str
+    image_size: int
+    recogniser: str
+    score_threshold: float
+    branches: dict[str, list[str]]
+    targets: list[KnownTarget]
+    found_area: float
+    known_similarity: float
+    training: dict[str, Any] = field(default_factory=dict)
+
+    def actions(self, branch: str) -> tuple[Action, ...]:
+        """The actions of one branch, in the order of the policy's outputs."""
+        return tuple(Action(name) for name in self.branches[branch])
+
+    def save(self, folder: Path) -> None:
+        """Write `config.json`, atomically."""
+        text = json.dumps({"format": FORMAT, "version": VERSION, **asdict(self)}, indent=2)
+        with replacing(folder / "config.json") as temporary:
+            temporary.write_text(text + "\n")
+
+    @classmethod
+    def load(cls, folder: Path) -> AgentConfig:
+        """Read `config.json`.
+
+        Raises:
+            AgentError: if the folder is no agent, or one of another version, or the file is damaged.
+        """
+        path = folder / "config.json"
+        try:
+            data = json.loads(path.read_text())
+        except (FileNotFoundError, NotADirectoryError):
+            raise AgentError(
+                f"{folder} is not an agent: it has no config.json; `active-perceiver train` makes one"
+            ) from None
+        except (ValueError, OSError) as error:
+            raise AgentError(f"{path} cannot be read as JSON: {error}") from None
+        if not isinstance(data, dict) or data.pop("format", None) != FORMAT:
+            raise AgentError(f"{path} does not describe an agent of this software")
+        if (version := data.pop("version", None)) != VERSION:
+            raise AgentError(f"{path} has version {version}; this software reads version {VERSION}: update it")
+        names = {entry.name for entry in fields(cls)}
+        if missing := names - {"training"} - data.keys():
+            raise AgentError(f"{path} lacks {', '.join(sorted(missing))}; train or copy the agent again")
+        try:
+            data["targets"] = [KnownTarget(**target) for target in data["targets"]]
+            config = cls(**{name: data[name] for name in names & data.keys()})
+            for branch in config.branches:
+                config.actions(branch)
+        except (TypeError, ValueError, AttributeError) as error:
+            raise AgentError(f"{path} is damaged: {error}; train or copy the agent again") from None
+        return config
+
+
+def picture_folder(folder: Path, scene: str, target: str) -> Path:
+    """Where an agent keeps the pictures of one of its targets."""
+    return folder / "targets" / scene / target

@@ -1,0 +1,343 @@
+"""The command line: `active-perceiver ...`, also `python -m active_perceiver`. Each command is a thin shell.
+
+A command is a dataclass whose fields are its arguments, their docstrings the help; `run` does the work. What is
+heavy to import is imported there, so that `--help` answers at once.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from tyro.conf import Positional, subcommand
+
+from active_perceiver.errors import UserError
+from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
+from active_perceiver.progress import console
+
+
+def _help(summary: str, *examples: str) -> str:
+    lines = "\n".join(f"  active-perceiver {example}" for example in examples)
+    return f"{summary}\n\nExamples:\n{lines}"
+
+
+@dataclass
+class Demo:
+    """The main job on a bundled room."""
+
+    out: Path = Path("demo")
+    """Folder for the agent, the report, the videos and result.json."""
+    seed: int = 0
+    """Training and searches follow from it."""
+    force: bool = False
+    """Replace what an earlier demo left in the folder."""
+    resume: bool = False
+    """Go on where an interrupted demo stopped."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.demo import SETTINGS, run_demo
+
+        run_demo(self.out, replace(SETTINGS, seed=self.seed), force=self.force, resume=self.resume)
+        return 0
+
+
+@dataclass
+class Train:
+    """Train an agent."""
+
+    out: Path
+    """Folder of the new agent."""
+    settings: tyro.conf.OmitArgPrefixes[TrainSettings] = field(default_factory=TrainSettings)
+    force: bool = False
+    """Replace an agent that is there."""
+    resume: bool = False
+    """Go on where an interrupted training stopped."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.evaluating import format_measures
+        from active_perceiver.experiments.training import train_agent
+
+        print(format_measures(train_agent(self.settings, self.out, force=self.force, resume=self.resume)))
+        print(f"agent: {self.out}   measured: {self.out / 'result.json'}")
+        return 0
+
+
+@dataclass
+class Evaluate:
+    """Measure an agent."""
+
+    agent: Positional[Path]
+    """Folder of the agent."""
+    settings: tyro.conf.OmitArgPrefixes[EvaluateSettings] = field(default_factory=EvaluateSettings)
+    out: Path | None = None
+    """Write the result here as well, as JSON."""
+    force: bool = False
+    """Replace an existing file."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.evaluating import evaluate_command
+
+        evaluate_command(self.agent, self.settings, self.out, force=self.force)
+        return 0
+
+
+@dataclass
+class Search:
+    """Search for the object in a picture."""
+
+    agent: Positional[Path]
+    """Folder of the agent."""
+    picture: Path
+    """Picture of the object on its own; any image file."""
+    robot: str
+    """Where to search: scene:NAME for a bundled scene, scene:FILE for a scene file."""
+    start: int | None = None
+    """State to start in; a random one if not given."""
+    branch: str | None = None
+    """Policy branch, the name of a scene the agent was trained in; needed if it has several."""
+    max_steps: int = 200
+    """Give up after so many actions."""
+    max_seconds: float = 600.0
+    """Give up after so many seconds."""
+    seed: int | None = None
+    """The start and the agent's draws follow from it."""
+    out: Path | None = None
+    """Write search.mp4, path.png, final.png and search.json into this folder."""
+    force: bool = False
+    """Replace what is in that folder."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.searching import search_command
+
+        found = search_command(
+            self.agent, self.picture, self.robot, start=self.start, branch=self.branch, max_steps=self.max_steps,
+            max_seconds=self.max_seconds, seed=self.seed, out=self.out, force=self.force,
+        )  # fmt: skip
+        return 0 if found else 1
+
+
+@dataclass
+class Info:
+    """Versions and machine, for a bug report."""
+
+    def run(self) -> int:
+        from active_perceiver import __version__
+        from active_perceiver.experiments.result import machine
+        from active_perceiver.scenes import bundled_names
+        from active_perceiver.vision.backbone import cache_folder
+
+        facts = {"version": __version__, **machine(), "cache": str(cache_folder()), "scenes": bundled_names()}
+        print(json.dumps(facts, indent=2))
+        return 0
+
+
+@dataclass
+class ScenesList:
+    """The bundled scenes."""
+
+    def run(self) -> int:
+        from active_perceiver.scenes import bundled_names, open_scene
+
+        for name in bundled_names():
+            scene = open_scene(name)
+            print(f"{name:<16} {len(scene):>5} views  {len(scene.actions)} actions  {len(scene.targets)} targets")
+        return 0
+
+
+@dataclass
+class ScenesInfo:
+    """What a scene holds."""
+
+    scene: Positional[str]
+    """Bundled name or file."""
+    picture: Path | None = None
+    """Write a contact sheet with the floor plan and goal states here, as PNG."""
+    force: bool = False
+    """Replace an existing picture."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.scene_report import describe, write_contact_sheet
+        from active_perceiver.scenes import open_scene
+
+        scene = open_scene(self.scene)
+        print(describe(scene))
+        if self.picture is not None:
+            write_contact_sheet(scene, self.picture, force=self.force)
+            print(f"contact sheet: {self.picture}")
+        return 0
+
+
+@dataclass
+class ScenesCheck:
+    """What is wrong with a scene, and what that means."""
+
+    scene: Positional[str]
+    """Bundled name or file."""
+
+    def run(self) -> int:
+        from active_perceiver.scenes import open_scene
+        from active_perceiver.scenes.checking import scene_problems
+
+        problems = scene_problems(open_scene(self.scene))
+        for problem in problems:
+            print(f"{'ERROR' if problem.fatal else 'note '} {problem.text}")
+        if not problems:
+            print("no problems found")
+        return 1 if any(problem.fatal for problem in problems) else 0
+
+
+@dataclass
+class ScenesRender:
+    """Make a scene from a generated 3D room."""
+
+    layout: Positional[str]
+    """Kind of room, for example kitchen."""
+    out: Path
+    """The scene file to write."""
+    seed: int = 1
+    """The room follows from it: the same seed gives the same scene."""
+    workers: int | None = None
+    """Processes; all cores if not given."""
+    force: bool = False
+    """Replace an existing file."""
+
+    def run(self) -> int:
+        from active_perceiver.rooms.capture import render_scene
+
+        render_scene(self.layout, self.seed, self.out, force=self.force, workers=self.workers)
+        print(f"scene: {self.out}")
+        return 0
+
+
+ScenesCommand = (
+    Annotated[ScenesList, subcommand("list", description=_help("The bundled scenes.", "scenes list"))]
+    | Annotated[
+        ScenesInfo,
+        subcommand(
+            "info",
+            description=_help(
+                "What a scene holds: views, moves, targets and how often each is seen.",
+                "scenes info kitchen_1",
+                "scenes info kitchen_1 --picture kitchen.png",
+            ),
+        ),
+    ]
+    | Annotated[
+        ScenesCheck,
+        subcommand(
+            "check",
+            description=_help(
+                "What is wrong with a scene and what that means; exit code 1 if it cannot be searched.",
+                "scenes check kitchen_1",
+                "scenes check my_room.h5",
+            ),
+        ),
+    ]
+    | Annotated[
+        ScenesRender,
+        subcommand(
+            "render",
+            description=_help(
+                "Make a scene from a generated 3D room (needs the `rooms` extra).",
+                "scenes render kitchen --seed 1 --out kitchen_1.h5",
+            ),
+        ),
+    ]
+)
+
+
+@dataclass
+class Scenes:
+    """What scenes there are, are they sound, make one."""
+
+    command: ScenesCommand
+
+    def run(self) -> int:
+        return self.command.run()
+
+
+Command = (
+    Annotated[
+        Demo,
+        subcommand(
+            "demo",
+            description=_help(
+                "Train on the bundled kitchen, measure, search for four objects from pictures, write a report.",
+                "demo",
+                "demo --out my_demo --seed 3",
+            ),
+        ),
+    ]
+    | Annotated[
+        Scenes, subcommand("scenes", description="Scenes: list, info, check, render (each has its own --help).")
+    ]
+    | Annotated[
+        Train,
+        subcommand(
+            "train",
+            description=_help(
+                "Train a recogniser and a policy; the result is a folder that runs without torch.",
+                "train --out kitchen_agent",
+                "train --scenes kitchen_1 --targets mug plate --out agent --learner ppo --reward gain",
+            ),
+        ),
+    ]
+    | Annotated[
+        Evaluate,
+        subcommand(
+            "evaluate",
+            description=_help(
+                "Measure an agent: success, steps, ratio to the shortest path, SPL, and its own word.",
+                "evaluate kitchen_agent",
+                "evaluate kitchen_agent --protocol paper --out paper.json",
+            ),
+        ),
+    ]
+    | Annotated[
+        Search,
+        subcommand(
+            "search",
+            description=_help(
+                "Search for the object in a picture; exit code 1 if it was not found.",
+                "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1",
+                "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1 --out run --seed 7",
+            ),
+        ),
+    ]
+    | Annotated[Info, subcommand("info", description=_help("Versions and machine, for a bug report.", "info"))]
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        arguments: without the program's name; those of the process if not given.
+
+    Returns:
+        The exit code: 0 well done, 1 a negative answer (not found, not sound), 2 wrong input, 130 interrupted.
+    """
+    command = tyro.cli(
+        Command,
+        prog="active-perceiver",
+        description="Give a robot a picture of an object; it searches the room and draws a box on it.",
+        args=arguments,
+        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.FlagCreatePairsOff),
+    )
+    try:
+        return command.run()
+    except UserError as error:
+        console.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
+        return 2
+    except KeyboardInterrupt:
+        console.print("interrupted; nothing half-written is left behind")
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""The demo: the whole job on the bundled kitchen, from a picture of a mug to the mug in a box."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from active_perceiver.experiments.demo_report import Found, write_report
+from active_perceiver.experiments.evaluating import format_measures
+from active_perceiver.experiments.result import write_result
+from active_perceiver.experiments.searching import verdict, write_search
+from active_perceiver.experiments.settings import TrainSettings
+from active_perceiver.experiments.training import measure_recogniser, train_agent
+from active_perceiver.figures.filmstrip import filmstrip
+from active_perceiver.files import OutputExistsError, replacing
+from active_perceiver.perceiver import ActivePerceiver
+from active_perceiver.robots import RecordedRobot, search
+from active_perceiver.scenes import Scene, open_scene
+from active_perceiver.search.task import SearchTask
+
+SETTINGS = TrainSettings(scenes=("kitchen_1",), targets=("mug", "plate", "bread", "apple"))
+
+
+def run_demo(
+    out: Path, settings: TrainSettings = SETTINGS, *, force: bool = False, resume: bool = False
+) -> dict[str, Any]:
+    """Train, measure, search and report; prints where to look.
+
+    Args:
+        out: folder for everything.
+        settings: what to train, in one scene; starts and actions follow from their seed too.
+        force: replace what an earlier demo left there.
+        resume: go on where an interrupted demo stopped.
+
+    Returns:
+        The body of the result file.
+
+    Raises:
+        OutputExistsError: if the folder holds a demo and neither `force` nor `resume` is set.
+    """
+    started = time.monotonic()
+    if (out / "result.json").exists() and not (force or resume):
+        raise OutputExistsError(f"{out} holds a demo already; give another --out, or --force to replace it")
+    trained = train_agent(settings, out / "agent", force=force, resume=resume)
+    pooled = measure_recogniser(replace(settings, recogniser="pooled"))
+    agent = ActivePerceiver.from_pretrained(out / "agent")
+    scene = open_scene(settings.scenes[0])
+    found = [_search_for(agent, scene, name, out, settings.seed) for name in settings.targets]
+    body = {
+        **trained,
+        "recogniser": {"matching": trained["recogniser"], "pooled": pooled},
+        "searches": [asdict(item.summary) for item in found],
+    }
+    body["seconds"] = {**trained["seconds"], "demo": time.monotonic() - started}
+    result = write_result(out / "result.json", "demo", body)
+    write_report(out / "report.html", agent, result, found)
+    print(format_measures(body))
+    for item in found:
+        print(f"{item.summary.target}: {verdict(item.record)}")
+    print(f"\nlook at {out}/report.html; videos are {out}/<target>/search.mp4, numbers in {out}/result.json")
+    return result
+
+
+def _search_for(agent: ActivePerceiver, scene: Scene, name: str, out: Path, seed: int) -> Found:
+    """One search, from far away, with a picture that training has not seen."""
+    task = SearchTask.from_scene(scene, [name])
+    target = scene.targets[scene.target_index(name)]
+    picture = target.picture(len(target.pictures) - 1)
+    far = np.argsort(-task.steps[:, 0], kind="stable")[: len(scene) // 10]
+    start = int(np.random.default_rng([seed, scene.target_index(name)]).choice(far))
+    with RecordedRobot(scene, start) as robot:
+        record = search(agent, robot, picture, branch=scene.name, max_steps=200, seed=seed)
+    write_search(record, scene, name, out / name)
+    strip = filmstrip(record, scene, name)
+    with replacing(out / name / "filmstrip.png") as temporary:
+        Image.fromarray(strip).save(temporary)
+    return Found.of(record, scene, task, start, robot.state, out / name)

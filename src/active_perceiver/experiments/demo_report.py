@@ -1,0 +1,191 @@
+"""The demo's report: one page with what was searched, the pictures, the videos and the numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from active_perceiver.experiments.searching import path_png
+from active_perceiver.figures import page
+from active_perceiver.figures.annotate import draw_detection
+from active_perceiver.figures.filmstrip import key_glimpses
+from active_perceiver.perceiver import ActivePerceiver
+from active_perceiver.recognition.metrics import box_iou
+from active_perceiver.robots import SearchRecord
+from active_perceiver.scenes import Scene
+from active_perceiver.scenes.images import encode_image, square_image
+from active_perceiver.search.task import SearchTask
+
+
+@dataclass(frozen=True)
+class SearchSummary:
+    """How one search of the demo went; the last two are known only to us, not to the agent.
+
+    Attributes:
+        target: what was searched.
+        start: the state it began in.
+        found: the agent's own word.
+        actions: taken.
+        shortest: fewest actions to a goal state from there.
+        iou: overlap of the box drawn last with the true one; 0 if none was drawn or the target is not in view.
+    """
+
+    target: str
+    start: int
+    found: bool
+    actions: int
+    shortest: int
+    iou: float
+
+
+@dataclass(frozen=True)
+class Found:
+    """One search of the demo with everything the report shows of it."""
+
+    record: SearchRecord
+    scene: Scene
+    task: SearchTask
+    summary: SearchSummary
+    folder: Path
+
+    @classmethod
+    def of(cls, record: SearchRecord, scene: Scene, task: SearchTask, start: int, state: int, folder: Path) -> Found:
+        """Compare a finished search for the only target of `task` with the truth.
+
+        Args:
+            record: the search.
+            scene: where it was.
+            task: the search's goals and shortest paths.
+            start: the state it began in.
+            state: the state it ended in.
+            folder: where its files are.
+        """
+        name = task.targets[0]
+        detection = record.glimpses[-1].step.detection
+        truth = scene.boxes[state, scene.target_index(name)]
+        iou = 0.0 if detection is None else float(box_iou(detection.box, truth))
+        shortest = int(task.steps[start, 0])
+        overlap = iou if iou == iou else 0.0  # NaN where the target is not in view
+        return cls(
+            record, scene, task, SearchSummary(name, start, record.found, record.actions, shortest, overlap), folder
+        )
+
+
+def write_report(path: Path, agent: ActivePerceiver, body: dict[str, Any], found: list[Found]) -> None:
+    """Write the report page.
+
+    Args:
+        path: the HTML file.
+        agent: that searched.
+        body: of the result file.
+        found: the searches, in the order in which to show them.
+    """
+    scene = found[0].scene
+    lead = (
+        f"An agent was trained in {scene.name}, a room of {len(scene)} views, to search for {len(found)} of its "
+        "objects. Each search below begins far away from the object, with a picture of it that training has never "
+        "seen; the agent sees nothing but its camera's view and says by itself when it has found the object."
+    )
+    pieces = [_search_card(item) for item in found]
+    pieces += [
+        "<h2>The policy, over all starts</h2>",
+        _policy_table(body),
+        "<h2>By its own word</h2>",
+        _word_table(body),
+    ]
+    pieces += ["<h2>The recogniser, in places it was not trained in</h2>", _recogniser_table(body)]
+    pieces += ["<h2>How it was made</h2>", _settings_table(agent, body)]
+    page.write_page(path, "Active Object Perceiver: a search from a picture", lead, pieces)
+
+
+def _search_card(item: Found) -> str:
+    record, summary = item.record, item.summary
+    last = record.glimpses[-1]
+    goals = item.task.goals[:, 0]
+    ending = "found" if record.found else "not found"
+    figures = [
+        page.picture(encode_image(square_image(record.picture, 300)), ".webp", "what to search for"),
+        page.picture(
+            encode_image(draw_detection(last.image, last.step.detection, summary.target)),
+            ".webp",
+            f"the last view: {ending}",
+        ),
+        page.picture(path_png(record, item.scene, summary.target, goals), ".png", "the path; green: goal states"),
+        page.video((item.folder / "search.mp4").read_bytes(), "the search"),
+    ]
+    steps = [
+        page.picture(
+            encode_image(
+                draw_detection(
+                    record.glimpses[index].image, record.glimpses[index].step.detection, summary.target, 240
+                )
+            ),
+            ".webp",
+            f"{index}: {ending if index == len(record.glimpses) - 1 else record.glimpses[index].step.action.value}",
+        )
+        for index in key_glimpses(record, 8)
+    ]
+    verdict = (
+        f"{summary.actions} actions, the fewest to a goal state are {summary.shortest}; overlap of the last box "
+        f"with the true one {summary.iou:.2f}"
+    )
+    title = f'<h3>{page.text(summary.target)} <span class="muted">{ending}: {verdict}</span></h3>'
+    return f'<section class="card">{title}{page.row(figures)}{page.strip(steps)}</section>'
+
+
+def _policy_table(body: dict[str, Any]) -> str:
+    rows = []
+    for result in [*body["per_target"], {**body["overall"], "target": "all"}]:
+        steps = [f"{result[name]:.2f}" for name in ("mean_steps", "shortest_mean")]
+        rows.append(
+            [result["target"], f"{result['success']:.4f}", *steps, f"{result['ratio']:.3f}", f"{result['spl']:.3f}"]
+        )
+    note = "Exact, from the policy's Markov chain: every start from which a goal state can be reached, no sampling."
+    head = ["target", "success", "mean actions", "fewest possible", "ratio", "SPL"]
+    return f"<p>{page.text(note)}</p>{page.table(head, rows)}"
+
+
+def _word_table(body: dict[str, Any]) -> str:
+    rows = []
+    for label, key in (("pictures seen in training", "pictures_seen"), ("pictures never seen", "pictures_unseen")):
+        words = body["own_word"][key]
+        for result in [*words["per_target"], {**words["overall"], "target": "all"}]:
+            shares = [f"{100 * result[name]:.0f} %" for name in ("true_found", "false_found", "not_found", "at_goal")]
+            rows.append([f"{result['target']}, {label}", *shares, f"{result['mean_steps']:.1f}"])
+    protocol = body["own_word"]["protocol"]
+    note = (
+        f"{protocol['searches']} searches per target from random starts, at most {protocol['limit']} actions. "
+        f"“Found” is true if the drawn box overlaps the true one with an IoU of at least {protocol['true_iou']}."
+    )
+    head = ["target", "found, true", "found, false", "not found", "at a goal state", "mean actions"]
+    return f"<p>{page.text(note)}</p>{page.table(head, rows)}"
+
+
+def _recogniser_table(body: dict[str, Any]) -> str:
+    rows = []
+    for kind, figures in body["recogniser"].items():
+        for pictures in ("seen pictures", "unseen pictures"):
+            metrics = figures["metrics"][pictures]
+            rates = [
+                f"{metrics[name]:.3f}" for name in ("auroc", "ap50", "mean_iou", "recall", "false_positive_rate")
+            ]
+            rows.append([f"{kind}, {pictures}", *rates, metrics["positives"]])
+    note = (
+        "“matching” compares the target with every place in the view, “pooled” is the paper's. Objects of at least "
+        "0.3 % of the image count; recall and false positives are at the score from which on the agent believes it."
+    )
+    head = ["recogniser", "AUROC", "AP50", "mean IoU", "recall", "false positives", "views with the target"]
+    return f"<p>{page.text(note)}</p>{page.table(head, rows)}"
+
+
+def _settings_table(agent: ActivePerceiver, body: dict[str, Any]) -> str:
+    machine = body["machine"]
+    rows = [
+        ["backbone", f"{agent.config.backbone}, {agent.config.image_size} pixels"],
+        ["learner", body["settings"]["learner"]],
+        ["seed", body["settings"]["seed"]],
+        ["machine", f"{machine['processor']}, {machine['cores']} cores"],
+        *[[f"seconds: {name}", f"{seconds:.1f}"] for name, seconds in body["seconds"].items()],
+    ]
+    return page.table(["", ""], rows)

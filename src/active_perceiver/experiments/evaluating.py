@@ -1,0 +1,194 @@
+"""How good an agent is: by the policy's exact success, by the paper's episodes, and by its own word."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from active_perceiver.errors import UserError
+from active_perceiver.experiments import own_word
+from active_perceiver.experiments.result import write_result
+from active_perceiver.experiments.settings import EvaluateSettings
+from active_perceiver.experiments.sightings import Sightings, picture_split, see_everywhere
+from active_perceiver.files import OutputExistsError
+from active_perceiver.perceiver import ActivePerceiver
+from active_perceiver.policies.evaluation import (
+    Evaluation,
+    SearchResult,
+    episode_evaluation,
+    exact_evaluation,
+    mean_evaluation,
+)
+from active_perceiver.policies.policy import policy_table
+from active_perceiver.progress import progress_bar
+from active_perceiver.scenes import open_scene
+from active_perceiver.search.task import SearchTask
+from active_perceiver.vision.cache import scene_features
+
+
+def measure_agent(
+    agent: ActivePerceiver, sightings: Sequence[Sightings], settings: EvaluateSettings
+) -> dict[str, Any]:
+    """Measure an agent in the scenes it was trained in.
+
+    Searches use pictures that training has seen ("overall", "per_target"), and apart from that pictures that it
+    has never seen ("unseen_pictures").
+
+    Args:
+        agent: what to measure.
+        sightings: one for each of its branches.
+        settings: how.
+
+    Returns:
+        The body of a result file: protocol, overall, per_target, unseen_pictures, own_word.
+    """
+    held_out = int(agent.config.training["held_out_pictures"])
+    seen, unseen = picture_split(sightings[0].scores.shape[2], held_out)
+    body = _evaluate(agent, sightings, seen, settings).as_dict()
+    body["protocol"]["pictures"] = "those trained on"
+    if unseen:
+        apart = _evaluate(agent, sightings, unseen, settings).as_dict()
+        body["unseen_pictures"] = {"overall": apart["overall"], "per_target": apart["per_target"]}
+    body["own_word"] = {
+        "protocol": {"searches": settings.searches, "limit": own_word.LIMIT, "true_iou": own_word.TRUE_IOU},
+        "pictures_seen": _own_word(agent, sightings, seen, settings),
+        **({"pictures_unseen": _own_word(agent, sightings, unseen, settings)} if unseen else {}),
+    }
+    return body
+
+
+def _evaluate(
+    agent: ActivePerceiver, sightings: Sequence[Sightings], pictures: Sequence[int], settings: EvaluateSettings
+) -> Evaluation:
+    """The evaluation with each picture in turn, averaged: a search may start from any of them."""
+    by_scene = []
+    rng = np.random.default_rng(settings.seed)
+    for seen in sightings:
+        task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
+        observations = seen.observations(agent.config.score_threshold, pictures)
+        tables = [
+            policy_table(agent.policy, observations, seen.scene.name, picture) for picture in range(len(pictures))
+        ]
+        if settings.protocol == "exact":
+            evaluations = [exact_evaluation(table, task, settings.limit) for table in tables]
+        else:
+            evaluations = [
+                episode_evaluation(table, task, settings.episodes, settings.limit, rng) for table in tables
+            ]
+        by_scene.append(mean_over_pictures(evaluations))
+    return mean_evaluation(by_scene)
+
+
+def mean_over_pictures(evaluations: Sequence[Evaluation]) -> Evaluation:
+    """The evaluation of searches that each begin with one of several pictures, all equally likely."""
+    first = evaluations[0]
+    per_target = tuple(
+        _mean_result([evaluation.per_target[index] for evaluation in evaluations])
+        for index in range(len(first.per_target))
+    )
+    return replace(
+        first,
+        overall=_mean_result([evaluation.overall for evaluation in evaluations]),
+        per_target=per_target,
+    )
+
+
+def _mean_result(results: Sequence[SearchResult]) -> SearchResult:
+    success = np.array([result.success for result in results])
+
+    def over_successes(name: str) -> float:
+        values = np.array([getattr(result, name) for result in results])
+        return float((values * success)[success > 0].sum() / success.sum()) if success.any() else float("nan")
+
+    mean, shortest = over_successes("mean_steps"), over_successes("shortest_mean")
+    return replace(
+        results[0],
+        success=float(success.mean()),
+        mean_steps=mean,
+        median_steps=over_successes("median_steps"),
+        shortest_mean=shortest,
+        ratio=mean / shortest,
+        spl=float(np.mean([result.spl for result in results])),
+    )
+
+
+def _own_word(
+    agent: ActivePerceiver, sightings: Sequence[Sightings], pictures: Sequence[int], settings: EvaluateSettings
+) -> dict[str, Any]:
+    rng = np.random.default_rng(settings.seed)
+    config = agent.config
+    results = []
+    for seen in sightings:
+        task = SearchTask.from_scene(seen.scene, seen.names, int(config.training["rank"]))
+        observations = seen.observations(config.score_threshold, pictures)
+        tables = np.stack(
+            [policy_table(agent.policy, observations, seen.scene.name, k) for k in range(len(pictures))], axis=2
+        )
+        for index, name in enumerate(seen.names):
+            # As `ActivePerceiver.reset` does: the picture alone tells which threshold applies.
+            matches = [agent.known.match(feature, seen.scene.name) for feature in observations.target_features[index]]
+            areas = np.array([match.found_area if match else config.found_area for match in matches])
+            scores, boxes = (array[:, index][:, list(pictures)] for array in (seen.scores, seen.boxes))
+            found = own_word.says_found(scores, boxes, config.score_threshold, areas)
+            results.append(
+                own_word.search_by_own_word(
+                    seen.scene.name, name, tables[:, index], found, boxes, seen.scene.boxes[:, seen.targets[index]],
+                    task.transitions, task.steps[:, index], settings.searches, rng,
+                )
+            )  # fmt: skip
+    return {"overall": own_word.overall(results), "per_target": [asdict(result) for result in results]}
+
+
+def agent_sightings(agent: ActivePerceiver) -> list[Sightings]:
+    """What an agent sees in each of the scenes it was trained in.
+
+    Raises:
+        SceneError: if one of them is no longer there.
+        UserError: if one has changed since.
+    """
+    sightings = []
+    for source in agent.config.training["scenes"]:
+        scene = open_scene(source)
+        if scene.name not in agent.config.branches:
+            raise UserError(f"the agent was trained in {list(agent.config.branches)}, but {source} is '{scene.name}'")
+        with progress_bar(f"features of {scene.name}") as report:
+            features = scene_features(scene, agent.backbone, report)
+        names = [target.name for target in agent.config.targets if target.scene == scene.name]
+        sightings.append(see_everywhere(scene, features, agent.recogniser, names))
+    return sightings
+
+
+def evaluate_command(folder: Path, settings: EvaluateSettings, out: Path | None, *, force: bool = False) -> None:
+    """Measure an agent, print a table, and write the result if a file is given.
+
+    Raises:
+        UserError: if the agent, its scenes or the output file are not what they should be.
+    """
+    if out is not None and out.exists() and not force:
+        raise OutputExistsError(f"{out} exists; give another --out, or --force to replace it")
+    agent = ActivePerceiver.from_pretrained(folder)
+    body = measure_agent(agent, agent_sightings(agent), settings)
+    print(format_measures(body))
+    if out is not None:
+        write_result(out, "evaluate", body)
+
+
+def format_measures(body: dict[str, Any]) -> str:
+    """The figures of a result file as a table for the terminal."""
+    lines = [
+        f"{'target':<14} {'success':>8} {'steps':>8} {'shortest':>9} {'ratio':>7} {'SPL':>6}"
+        f" {'found, true':>12} {'found, false':>13}",
+    ]
+    words = body["own_word"]["pictures_seen"]
+    rows = [*zip(body["per_target"], words["per_target"], strict=True), (body["overall"], words["overall"])]
+    for result, word in rows:
+        name = "all" if result is body["overall"] else result["target"]
+        lines.append(
+            f"{name:<14} {result['success']:>8.3f} {result['mean_steps']:>8.2f} {result['shortest_mean']:>9.2f}"
+            f" {result['ratio']:>7.3f} {result['spl']:>6.3f} {word['true_found']:>12.2f} {word['false_found']:>13.2f}"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,153 @@
+"""Searches that end by the agent's own word: it stops where its own box is large enough, and may be wrong.
+
+No ground truth is used until the search has ended; then it says whether "found" was true.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.recognition.metrics import box_iou
+
+LIMIT = 500
+"""Actions after which a search by the agent's own word gives up."""
+
+TRUE_IOU = 0.5
+"""A "found" is true if the drawn box overlaps the object's true box at least so much."""
+
+
+@dataclass(frozen=True)
+class OwnWord:
+    """How searches that the agent ended itself went.
+
+    Attributes:
+        scene: where.
+        target: what was looked for.
+        searches: how many.
+        true_found: share that ended with "found" and the drawn box on the object (IoU at least 0.5).
+        false_found: share that ended with "found" and the box elsewhere.
+        not_found: share that reached the limit.
+        at_goal: share that ended with "found" in one of the target's goal states.
+        mean_steps: actions of the searches with a true "found"; NaN if there is none.
+        shortest_mean: fewest actions to a goal state from the same starts.
+    """
+
+    scene: str
+    target: str
+    searches: int
+    true_found: float
+    false_found: float
+    not_found: float
+    at_goal: float
+    mean_steps: float
+    shortest_mean: float
+
+
+def says_found(
+    scores: NDArray[np.floating],
+    boxes: NDArray[np.floating],
+    threshold: float,
+    found_area: NDArray[np.floating] | float,
+) -> NDArray[np.bool_]:
+    """Where an agent would say found: the target is seen, and its box covers at least `found_area` of the image.
+
+    Args:
+        scores: (...) presence probabilities.
+        boxes: (..., 4) detections.
+        threshold: least score that counts as seen.
+        found_area: fraction of the image; one number, or one for each picture.
+    """
+    return (scores >= threshold) & (boxes[..., 2] * boxes[..., 3] >= found_area)
+
+
+def found_area(
+    scores: NDArray[np.floating],
+    boxes: NDArray[np.floating],
+    areas: NDArray[np.floating],
+    goals: NDArray[np.bool_],
+    threshold: float,
+) -> float:
+    """How large a target's own box has to be for the agent to say found.
+
+    The policy leads to the goal states, so each of them should be enough: the smallest box seen in any of them
+    with any picture, but never less than 0.6 of the smallest true one, so that one bad detection does not make the
+    agent stop far away.
+
+    Args:
+        scores: (S, K) presence probabilities for the target's pictures.
+        boxes: (S, K, 4) detections.
+        areas: (S,) true areas.
+        goals: (S,) bool, the target's goal states.
+        threshold: least score that counts as seen.
+    """
+    smallest_true = float(areas[goals].min())
+    seen = scores[goals] >= threshold
+    own = (boxes[goals][..., 2] * boxes[goals][..., 3])[seen]
+    return float(np.clip(own.min() if len(own) else 0.0, 0.6 * smallest_true, smallest_true))
+
+
+def search_by_own_word(
+    scene: str,
+    target: str,
+    tables: NDArray[np.floating],
+    found: NDArray[np.bool_],
+    detected: NDArray[np.floating],
+    true_boxes: NDArray[np.floating],
+    transitions: NDArray[np.integer],
+    steps: NDArray[np.integer],
+    searches: int,
+    rng: np.random.Generator,
+) -> OwnWord:
+    """Search from random starts, each with one of the target's pictures at random, until found or the limit.
+
+    Everything the agent would see is a table, so this is what `ActivePerceiver.act` does, only faster.
+
+    Args:
+        scene: its name, for the result.
+        target: its name, for the result.
+        tables: (S, K, A) action probabilities in each state for each picture.
+        found: (S, K) where the agent says found.
+        detected: (S, K, 4) its boxes.
+        true_boxes: (S, 4) ground truth, NaN where not visible.
+        transitions: (S, A).
+        steps: (S,) fewest actions to a goal; searches start where this is positive.
+        searches: how many.
+        rng: draws starts, pictures and actions.
+    """
+    states = rng.choice(np.flatnonzero(steps > 0), searches)
+    pictures = rng.integers(tables.shape[1], size=searches)
+    shortest = steps[states]
+    cumulative = np.cumsum(tables.astype(np.float64), axis=-1)
+    taken = np.zeros(searches, np.int64)
+    under_way = ~found[states, pictures]
+    while under_way.any() and taken.max() < LIMIT:
+        here, asked = states[under_way], pictures[under_way]
+        limits = cumulative[here, asked]
+        draws = rng.random(len(here))[:, None] * limits[:, -1:]
+        states[under_way] = transitions[here, (draws > limits).sum(axis=1)]
+        taken[under_way] += 1
+        under_way = ~found[states, pictures]
+    ended = ~under_way
+    overlap = np.nan_to_num(box_iou(detected[states, pictures], true_boxes[states]), nan=0.0)
+    right = ended & (overlap >= TRUE_IOU)
+    return OwnWord(
+        scene=scene,
+        target=target,
+        searches=searches,
+        true_found=float(right.mean()),
+        false_found=float((ended & ~right).mean()),
+        not_found=float(under_way.mean()),
+        at_goal=float((ended & (steps[states] == 0)).mean()),
+        mean_steps=float(taken[right].mean()) if right.any() else float("nan"),
+        shortest_mean=float(shortest.mean()),
+    )
+
+
+def overall(results: Sequence[OwnWord]) -> dict[str, float]:
+    """Means over targets."""
+    names = ("true_found", "false_found", "not_found", "at_goal", "mean_steps", "shortest_mean")
+    return {name: float(np.mean([getattr(result, name) for result in results])) for name in names}

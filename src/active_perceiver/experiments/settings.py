@@ -1,0 +1,54 @@
+"""Settings of training and evaluation; the docstring under a field is its help on the command line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class TrainSettings:
+    """What to train, on what, and how."""
+
+    scenes: tuple[str, ...] = ("kitchen_1",)
+    """Bundled names or scene files; the policy gets a branch for each."""
+    targets: tuple[str, ...] = ()
+    """What the policy is trained to search for; all targets of the scenes if not given. The recogniser is always
+    trained on all of them."""
+    recogniser: Literal["matching", "pooled"] = "matching"
+    """Kind of recogniser: "matching" compares the picture with every place in the view, "pooled" is the paper's."""
+    recogniser_steps: int | None = None
+    """Training steps of the recogniser; its own default if not given."""
+    learner: Literal["mirror-descent", "ppo"] = "mirror-descent"
+    """How the policy is learned: from exact advantages, or by proximal policy optimisation from rollouts."""
+    reward: Literal["arrival", "gain", "record", "goal", "area"] | None = None
+    """What the policy is paid for; "arrival" for mirror-descent and "gain" for ppo if not given. "record" is the
+    paper's."""
+    entropy_weight: float | None = None
+    """Weight of the policy's entropy (ppo); the learner's own default if not given. The paper has 0.1 and 0.01."""
+    backbone: str = "efficientnet_lite0"
+    """Frozen feature extractor: efficientnet_lite0 or resnet50 (downloads its weights once)."""
+    image_size: int = 320
+    """Side in pixels to which views are scaled for the backbone; a multiple of 32."""
+    rank: int = 5
+    """Goal states are those whose box is at least as large as the rank-th largest; 5 in the paper."""
+    policy_seconds: float | None = None
+    """Time limit of the policy's training; none if not given."""
+    seed: int = 0
+    """Everything random in training follows from it."""
+
+
+@dataclass(frozen=True)
+class EvaluateSettings:
+    """How to measure an agent."""
+
+    protocol: Literal["exact", "paper"] = "exact"
+    """"exact" takes every start into account, without sampling; "paper" runs episodes from random starts."""
+    episodes: int = 10
+    """Episodes per target for the paper's protocol."""
+    limit: int = 5000
+    """Actions after which a search has failed."""
+    searches: int = 100
+    """Searches per target by the agent's own word, from random starts."""
+    seed: int = 0
+    """Draws of starts, pictures and actions follow from it."""

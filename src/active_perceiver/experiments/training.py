@@ -1,0 +1,319 @@
+"""Training an agent as a whole: features, recogniser, policy, measurement; each stage resumable."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from active_perceiver import __version__
+from active_perceiver.agent_config import AgentConfig, KnownTarget, picture_folder
+from active_perceiver.errors import UserError
+from active_perceiver.experiments import own_word
+from active_perceiver.experiments.evaluating import measure_agent
+from active_perceiver.experiments.model_card import write_card
+from active_perceiver.experiments.result import write_result
+from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
+from active_perceiver.experiments.sightings import Sightings, picture_split, see_everywhere
+from active_perceiver.files import OutputExistsError, replacing
+from active_perceiver.perceiver import ActivePerceiver, unit_vectors
+from active_perceiver.policies import LEARNERS, learner_named
+from active_perceiver.policies.config import LearnerConfig
+from active_perceiver.policies.problem import Problem
+from active_perceiver.progress import console, progress_bar
+from active_perceiver.recognition.recogniser import Recogniser
+from active_perceiver.recognition.training import CONFIGS, TrainedRecogniser, train_recogniser
+from active_perceiver.scenes import Scene, bundled_names, open_scene
+from active_perceiver.scenes.images import image_suffix
+from active_perceiver.search.task import SearchTask
+from active_perceiver.vision.backbone import Backbone, load_backbone
+from active_perceiver.vision.cache import SceneFeatures, scene_features
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """What training works on: the scenes and their features."""
+
+    backbone: Backbone
+    scenes: tuple[Scene, ...]
+    features: tuple[SceneFeatures, ...]
+
+
+def prepare(settings: TrainSettings) -> Material:
+    """Open the scenes and compute, or find in the cache, their features.
+
+    Raises:
+        UserError: if a scene, a target or the backbone is not to be had, or two scenes have the same name.
+    """
+    scenes = tuple(open_scene(source) for source in settings.scenes)
+    names = [scene.name for scene in scenes]
+    if not names or len(set(names)) != len(names):
+        raise UserError(f"training needs scenes of different names, at least one; got {names}")
+    unknown = [name for name in settings.targets if not any(name in scene.target_names for scene in scenes)]
+    if unknown:
+        known = ", ".join(sorted({name for scene in scenes for name in scene.target_names}))
+        raise UserError(f"no scene has the target {', '.join(unknown)}; there are {known}")
+    backbone = load_backbone(settings.backbone, image_size=settings.image_size)
+    features = []
+    for scene in scenes:
+        with progress_bar(f"features of {scene.name}") as report:
+            features.append(scene_features(scene, backbone, report))
+    return Material(backbone, scenes, tuple(features))
+
+
+def train_agent(settings: TrainSettings, out: Path, *, force: bool = False, resume: bool = False) -> dict[str, Any]:
+    """Train an agent and measure it.
+
+    Everything is written to `OUT.part` first, which becomes `out` when all is done; an interrupted training leaves
+    `OUT.part`, and `resume` goes on from the stage it was in.
+
+    Args:
+        settings: what to train.
+        out: folder of the agent.
+        force: replace an agent that is there, and begin anew where one was interrupted.
+        resume: go on with an interrupted training, with the same settings.
+
+    Returns:
+        The body of its `result.json`.
+
+    Raises:
+        OutputExistsError: if there is something already, and neither `force` nor `resume` says what to do.
+        UserError: if the settings do not fit the scenes, or differ from those of the interrupted training.
+    """
+    _learner_config(settings)  # what is wrong with the settings shows before anything long begins
+    work = _work_folder(settings, out, force=force, resume=resume)
+    seconds: dict[str, float] = {}
+    started = time.monotonic()
+    material = prepare(settings)
+    seconds["features"] = time.monotonic() - started
+    recogniser_metrics = _recogniser_stage(settings, material, work, seconds)
+    recogniser = Recogniser(work / "recogniser.onnx")
+    sightings = _see_all(settings, material, recogniser, seconds)
+    history = _policy_stage(settings, sightings, recogniser, work, seconds)
+    _config(settings, material, sightings, recogniser).save(work)
+    _save_pictures(sightings, work, _held_out_pictures(settings))
+    agent = ActivePerceiver.from_pretrained(work)
+    body = measure_agent(agent, sightings, EvaluateSettings(seed=settings.seed))
+    body |= {
+        "settings": asdict(settings),
+        "recogniser": recogniser_metrics,
+        "policy_history": history,
+        "seconds": {**seconds, "total": time.monotonic() - started},
+    }
+    write_result(work / "result.json", "train", body)
+    write_card(work, agent.config, body)
+    (work / "settings.json").unlink()
+    if out.exists():
+        shutil.rmtree(out)
+    work.rename(out)
+    return body
+
+
+def measure_recogniser(settings: TrainSettings) -> dict[str, Any]:
+    """Train a recogniser for its figures alone, for example the paper's beside the default one.
+
+    Returns:
+        See `_recogniser_figures`.
+    """
+    return _recogniser_figures(_train_recogniser(settings, prepare(settings)))
+
+
+def _work_folder(settings: TrainSettings, out: Path, *, force: bool, resume: bool) -> Path:
+    """Make or find the folder of the training in progress, and note the settings in it."""
+    work = out.with_name(f"{out.name}.part")
+    wanted = json.dumps({"version": __version__, **asdict(settings)}, indent=2)
+    if out.exists() and not force:
+        raise OutputExistsError(f"{out} exists; give another --out, or --force to replace it")
+    if work.exists() and resume:
+        noted = work / "settings.json"
+        if not noted.is_file() or noted.read_text() != wanted:
+            raise UserError(f"{work} was begun with other settings; give the same ones, or --force to begin anew")
+    elif work.exists():
+        if not force:
+            raise OutputExistsError(f"{work} is an interrupted training; --resume goes on, --force begins anew")
+        shutil.rmtree(work)
+    work.mkdir(parents=True, exist_ok=True)
+    with replacing(work / "settings.json") as temporary:
+        temporary.write_text(wanted)
+    return work
+
+
+def _train_recogniser(settings: TrainSettings, material: Material) -> TrainedRecogniser:
+    config = replace(CONFIGS[settings.recogniser], seed=settings.seed)
+    if settings.recogniser_steps is not None:
+        config = replace(config, steps=settings.recogniser_steps)
+    with progress_bar(f"{settings.recogniser} recogniser") as report:
+        return train_recogniser(
+            material.scenes,
+            material.features,
+            config,
+            lambda step, total, loss: report(step, total, f"loss {loss:.3f}"),
+        )
+
+
+def _recogniser_figures(trained: TrainedRecogniser) -> dict[str, Any]:
+    """Metrics on views of places not trained in, with pictures seen and not seen, and how it was trained."""
+    return {
+        "protocol": "views of places not trained in; objects of at least 0.3 % of the image count as there, "
+        "smaller ones neither as there nor as absent",
+        "metrics": {name: metrics.as_dict() for name, metrics in trained.metrics.items()},
+        "config": asdict(trained.config),
+        "seconds": trained.seconds,
+    }
+
+
+def _recogniser_stage(
+    settings: TrainSettings, material: Material, work: Path, seconds: dict[str, float]
+) -> dict[str, Any]:
+    """Train the recogniser, unless an earlier run has; `recogniser.json` is written last and vouches for the rest."""
+    done = work / "recogniser.json"
+    if not done.is_file():
+        trained = _train_recogniser(settings, material)
+        trained.save(work)
+        with replacing(done) as temporary:
+            temporary.write_text(json.dumps(_recogniser_figures(trained)))
+    figures = json.loads(done.read_text())
+    seconds["recogniser"] = figures["seconds"]
+    return figures
+
+
+def _see_all(
+    settings: TrainSettings, material: Material, recogniser: Recogniser, seconds: dict[str, float]
+) -> list[Sightings]:
+    started = time.monotonic()
+    sightings = []
+    for scene, features in zip(material.scenes, material.features, strict=True):
+        wanted = [name for name in settings.targets if name in scene.target_names]
+        if settings.targets and not wanted:
+            raise UserError(
+                f"scene '{scene.name}' has none of the targets {', '.join(settings.targets)}; leave it out"
+            )
+        seen = [name for index, name in enumerate(scene.target_names) if scene.areas[:, index].any()]
+        sightings.append(see_everywhere(scene, features, recogniser, wanted or seen))
+    seconds["detections"] = time.monotonic() - started
+    return sightings
+
+
+def _held_out_pictures(settings: TrainSettings) -> int:
+    return CONFIGS[settings.recogniser].held_out_pictures
+
+
+def _policy_stage(
+    settings: TrainSettings,
+    sightings: Sequence[Sightings],
+    recogniser: Recogniser,
+    work: Path,
+    seconds: dict[str, float],
+) -> list[dict[str, float]]:
+    """Train the policy on what the recogniser really sees, with the pictures that it was trained on too."""
+    from active_perceiver.policies.export import export_policy, save_network
+
+    config = _learner_config(settings)
+    pictures, _ = picture_split(sightings[0].scores.shape[2], _held_out_pictures(settings))
+    problems = []
+    for seen in sightings:
+        task = SearchTask.from_scene(seen.scene, seen.names, settings.rank)
+        for warning in task.warnings:
+            console.print(f"note: {warning}", highlight=False)
+        problems.append(Problem(task, seen.observations(recogniser.threshold, pictures)))
+    started = time.monotonic()
+    with progress_bar(f"policy by {settings.learner}") as report:
+        network, history = LEARNERS[settings.learner].train(
+            problems, config, lambda record: report(*_policy_progress(record, config))
+        )
+    seconds["policy"] = time.monotonic() - started
+    export_policy(network, work / "policy.onnx", force=True)
+    save_network(network, work / "policy.safetensors", force=True)
+    return history
+
+
+def _learner_config(settings: TrainSettings) -> LearnerConfig:
+    """The learner's own defaults, with what the settings say otherwise.
+
+    Raises:
+        UserError: if they say something that this learner cannot be told.
+    """
+    learner = learner_named(settings.learner)
+    given: dict[str, Any] = {
+        "reward": settings.reward,
+        "entropy_weight": settings.entropy_weight,
+        "seconds": settings.policy_seconds,
+    }
+    given = {name: value for name, value in given.items() if value is not None}
+    known = {field.name for field in fields(learner.config)}
+    if unknown := given.keys() - known:
+        raise UserError(f"the learner {learner.name} has no {', '.join(unknown)}; leave it out, or use --learner ppo")
+    return learner.config(seed=settings.seed, **given)
+
+
+def _policy_progress(record: dict[str, float], config: LearnerConfig) -> tuple[int, int, str]:
+    note = f"success {record['success']:.3f}, {record['ratio']:.3f} x the shortest paths"
+    return int(record["iteration"]), config.iterations, note
+
+
+def _config(
+    settings: TrainSettings, material: Material, sightings: Sequence[Sightings], recogniser: Recogniser
+) -> AgentConfig:
+    pictures, _ = picture_split(sightings[0].scores.shape[2], _held_out_pictures(settings))
+    known = []
+    for seen in sightings:
+        task = SearchTask.from_scene(seen.scene, seen.names, settings.rank)
+        for index, name in enumerate(seen.names):
+            scores, boxes = (array[:, index][:, pictures] for array in (seen.scores, seen.boxes))
+            goals, areas = task.goals[:, index], task.areas[:, index]
+            threshold = own_word.found_area(scores, boxes, areas, goals, recogniser.threshold)
+            known.append(KnownTarget(seen.scene.name, name, threshold))
+    return AgentConfig(
+        backbone=material.backbone.name,
+        image_size=material.backbone.image_size,
+        recogniser=settings.recogniser,
+        score_threshold=recogniser.threshold,
+        branches={seen.scene.name: [action.value for action in seen.scene.actions] for seen in sightings},
+        targets=known,
+        found_area=float(np.median([target.found_area for target in known])),
+        known_similarity=_least_similarity(sightings, pictures),
+        training={
+            "scenes": [_source(source) for source in settings.scenes],
+            "rank": settings.rank,
+            "held_out_pictures": _held_out_pictures(settings),
+            "learner": settings.learner,
+            "seed": settings.seed,
+        },
+    )
+
+
+def _source(source: str) -> str:
+    """A bundled scene by name, another by its whole path, so that the agent can be measured from anywhere."""
+    return source if source in bundled_names() else str(Path(source).resolve())
+
+
+def _least_similarity(sightings: Sequence[Sightings], pictures: Sequence[int]) -> float:
+    """How alike a picture must be to those of a known target to count as one of it.
+
+    A little less than the most unlike picture of any target is to its nearest other picture.
+    """
+    least = 1.0
+    for seen in sightings:
+        for features in unit_vectors(seen.target_features[:, list(pictures)]):
+            likeness = features @ features.T
+            np.fill_diagonal(likeness, -1.0)
+            least = min(least, float(likeness.max(axis=1).min())) if len(features) > 1 else least
+    return 0.97 * least
+
+
+def _save_pictures(sightings: Sequence[Sightings], work: Path, held_out: int) -> None:
+    """Keep the pictures that were trained on, by which the agent knows its targets again."""
+    for seen in sightings:
+        for index in seen.targets:
+            target = seen.scene.targets[index]
+            folder = picture_folder(work, seen.scene.name, target.name)
+            folder.mkdir(parents=True, exist_ok=True)
+            for number, data in enumerate(target.pictures[: max(1, len(target.pictures) - held_out)]):
+                with replacing(folder / f"{number:02}.{image_suffix(data)}") as temporary:
+                    temporary.write_bytes(data)

@@ -1,0 +1,195 @@
+"""ActivePerceiver: backbone, recogniser and policy together, the thing that runs on a robot. Never imports torch."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.agent_config import AgentConfig, AgentError, KnownTarget, picture_folder
+from active_perceiver.files import OutputExistsError
+from active_perceiver.policies.policy import Policy
+from active_perceiver.recognition.recogniser import Detection, Recogniser
+from active_perceiver.scenes import Action, read_image
+from active_perceiver.search.location import location_mask
+from active_perceiver.vision.backbone import Backbone, load_backbone, pooled
+
+
+@dataclass(frozen=True)
+class Step:
+    """What the agent makes of one image.
+
+    Attributes:
+        action: what to do next; meaningless once found.
+        detection: where it sees the target, or None if it does not.
+        probabilities: (A,) float32, the policy's distribution over `ActivePerceiver.actions`.
+        found: its own word that it is in front of the target.
+    """
+
+    action: Action
+    detection: Detection | None
+    probabilities: NDArray[np.float32]
+    found: bool
+
+
+class ActivePerceiver:
+    """Searches for the object in a picture: `reset` with the picture, then `act` on one image after the other.
+
+    Attributes:
+        folder: where the agent is kept.
+        config: how it is put together.
+    """
+
+    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone) -> None:
+        """Load the networks of an agent folder; `from_pretrained` is the usual way in."""
+        self.folder = folder
+        self.config = config
+        self.backbone = backbone
+        self.recogniser = Recogniser(folder / "recogniser.onnx")
+        self.policy = Policy(folder / "policy.onnx")
+        self.known = KnownTargets(folder, config.targets, backbone, config.known_similarity)
+        self._branch = ""
+
+    @classmethod
+    def from_pretrained(cls, folder: Path | str) -> ActivePerceiver:
+        """Load an agent.
+
+        Args:
+            folder: made by `active-perceiver train` or `save_pretrained`.
+
+        Raises:
+            AgentError: if the folder is no agent or lacks a file.
+            BackboneError: if the backbone is neither in the folder nor in the cache and cannot be made here.
+        """
+        folder = Path(folder)
+        config = AgentConfig.load(folder)
+        for name in ("recogniser.onnx", "policy.onnx"):
+            if not (folder / name).is_file():
+                raise AgentError(f"{folder} lacks {name}; train the agent again, or copy the whole folder")
+        return cls(folder, config, load_backbone(config.backbone, folder, image_size=config.image_size))
+
+    def save_pretrained(self, folder: Path | str) -> None:
+        """Copy the agent to a new folder; it appears there whole or not at all.
+
+        Raises:
+            OutputExistsError: if the folder exists.
+        """
+        folder = Path(folder)
+        if folder.exists():
+            raise OutputExistsError(f"{folder} exists; give another name")
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        partial = folder.with_name(f".{folder.name}.part")
+        shutil.rmtree(partial, ignore_errors=True)
+        shutil.copytree(self.folder, partial)
+        partial.rename(folder)
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """The actions of the current search, in the order of `Step.probabilities`.
+
+        Raises:
+            AgentError: before the first `reset`.
+        """
+        self._check_reset()
+        return self.config.actions(self._branch)
+
+    def reset(
+        self, picture: NDArray[np.uint8] | Path | str, scene: str | None = None, seed: int | None = None
+    ) -> None:
+        """Begin a search.
+
+        Args:
+            picture: the object on its own: (H, W, 3) uint8 RGB of any size, or an image file.
+            scene: the policy branch to use; may be left out if there is only one.
+            seed: the draws of actions follow from it.
+
+        Raises:
+            AgentError: if the branch is unknown, or not given where there are several.
+            ImageError: if the picture is a file that cannot be read.
+        """
+        known = ", ".join(self.config.branches)
+        if scene is None and len(self.config.branches) > 1:
+            raise AgentError(f"this agent knows several scenes ({known}); say which one it is in")
+        branch = scene or next(iter(self.config.branches))
+        if branch not in self.config.branches:
+            raise AgentError(f"this agent was not trained in '{branch}'; it knows {known}")
+        image = picture if isinstance(picture, np.ndarray) else read_image(picture)
+        maps = self.backbone.maps([image])
+        self._branch = branch
+        self._target = pooled(maps)
+        self._code = self.recogniser.encode_target(maps)
+        match = self.known.match(self._target[0], branch)
+        self.found_area = match.found_area if match else self.config.found_area
+        self._random = np.random.default_rng(seed)
+
+    def act(self, image: NDArray[np.uint8]) -> Step:
+        """Look at one image and decide.
+
+        Args:
+            image: (H, W, 3) uint8 RGB, what the robot sees now.
+
+        Raises:
+            AgentError: before the first `reset`.
+        """
+        self._check_reset()
+        maps = self.backbone.maps([image])
+        scores, boxes = self.recogniser.detect(maps, self._code)
+        detection = Detection(float(scores[0]), boxes[0]) if scores[0] >= self.config.score_threshold else None
+        mask = location_mask(np.full(4, np.nan) if detection is None else detection.box)
+        probabilities = self.policy.probabilities(pooled(maps), self._target, mask[None], self._branch)[0]
+        draw = self._random.choice(len(probabilities), p=probabilities.astype(np.float64) / probabilities.sum())
+        return Step(
+            action=self.actions[int(draw)],
+            detection=detection,
+            probabilities=probabilities,
+            found=detection is not None and detection.area >= self.found_area,
+        )
+
+    def _check_reset(self) -> None:
+        if not self._branch:
+            raise AgentError("call reset(picture) first: the agent does not know what to search for")
+
+
+class KnownTargets:
+    """The targets an agent was trained for, told apart by their pictures: how close it has to get to each."""
+
+    def __init__(
+        self, folder: Path, targets: Sequence[KnownTarget], backbone: Backbone, least_similarity: float
+    ) -> None:
+        self._folder = folder
+        self._targets = targets
+        self._backbone = backbone
+        self._least_similarity = least_similarity
+        self._features: dict[KnownTarget, NDArray[np.float32]] = {}
+
+    def features(self, target: KnownTarget) -> NDArray[np.float32]:
+        """(K, D) float32 unit vectors, one a picture; computed when first asked for.
+
+        Raises:
+            AgentError: if the agent's folder holds no picture of the target.
+        """
+        if target not in self._features:
+            pictures = picture_folder(self._folder, target.scene, target.name)
+            files = sorted(pictures.glob("*"))
+            if not files:
+                raise AgentError(f"{pictures} holds no pictures; copy the whole agent")
+            self._features[target] = unit_vectors(pooled(self._backbone.maps([read_image(file) for file in files])))
+        return self._features[target]
+
+    def match(self, feature: NDArray[np.float32], scene: str) -> KnownTarget | None:
+        """The target of a scene whose pictures are most like one with this pooled feature; None if none is alike."""
+        ours = unit_vectors(feature)
+        similarity = {
+            target: float((self.features(target) @ ours).max()) for target in self._targets if target.scene == scene
+        }
+        best = max(similarity, key=lambda target: similarity[target], default=None)
+        return best if best is not None and similarity[best] >= self._least_similarity else None
+
+
+def unit_vectors(features: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Scale the last axis to length 1."""
+    return features / np.maximum(np.linalg.norm(features, axis=-1, keepdims=True), 1e-12)

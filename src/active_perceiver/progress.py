@@ -1,0 +1,45 @@
+"""Progress on anything that takes more than two seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+
+class Report(Protocol):
+    """Called by long work: how much of how much is done, and a word on how it goes."""
+
+    def __call__(self, done: int, total: int, note: str = "") -> None:
+        """Report progress."""
+
+
+# Progress goes to standard error: standard output is for results.
+console = Console(stderr=True)
+
+
+@contextmanager
+def progress_bar(label: str) -> Iterator[Report]:
+    """Draw a progress bar with the time taken and left; one line stays when the block ends."""
+    columns = (
+        TextColumn(f"{label:<30}"),
+        BarColumn(bar_width=28),
+        TextColumn("{task.completed:>5.0f}/{task.total:<5.0f}"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[note]}", style="dim"),
+    )
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task(label, total=1, note="")
+
+        def report(done: int, total: int, note: str = "") -> None:
+            bar.update(task, completed=done, total=total, note=note)
+
+        yield report
+
+
+def quiet(done: int, total: int, note: str = "") -> None:
+    """A report that nobody reads."""

@@ -1,0 +1,75 @@
+"""A robot in a recorded Scene: it sees the scene's views and moves along its transitions."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import Self
+
+from active_perceiver.errors import UserError
+from active_perceiver.scenes import Action, Scene
+
+
+class RecordedRobot:
+    """Walks a scene state by state, as in the paper's simulation (section IV-A).
+
+    Attributes:
+        scene: where it is.
+        state: the state it is in.
+    """
+
+    def __init__(self, scene: Scene, start: int | None = None, seed: int | None = None) -> None:
+        """Put the robot into a scene.
+
+        Args:
+            scene: where to walk.
+            start: the first state; a random one if not given.
+            seed: seed of that random choice.
+
+        Raises:
+            UserError: if the start is not one of the scene's states.
+        """
+        if start is None:
+            start = int(np.random.default_rng(seed).integers(len(scene)))
+        if not 0 <= start < len(scene):
+            raise UserError(f"scene '{scene.name}' has states 0 to {len(scene) - 1}; there is no state {start}")
+        self.scene = scene
+        self.state = start
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """The scene's actions."""
+        return self.scene.actions
+
+    def look(self) -> NDArray[np.uint8]:
+        """The view of the current state."""
+        return self.scene.view(self.state)
+
+    def do(self, action: Action) -> None:
+        """Move along the transitions; a blocked move leaves the state as it is.
+
+        Raises:
+            UserError: if the scene does not know the action.
+        """
+        if action not in self.actions:
+            known = ", ".join(known.value for known in self.actions)
+            raise UserError(f"scene '{self.scene.name}' has no action {action.value}; it has {known}")
+        self.state = int(self.scene.transitions[self.state, self.actions.index(action)])
+
+    def pose(self) -> tuple[float, float, float, float]:
+        """The current state's pose."""
+        x, z, heading, tilt = (float(value) for value in self.scene.poses[self.state])
+        return x, z, heading, tilt
+
+    def stop(self) -> None:
+        """Nothing moves in a recording."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.stop()

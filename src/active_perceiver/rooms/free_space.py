@@ -1,0 +1,150 @@
+"""Where a round robot may stand and move: exact distances to the polygons of what stands on the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.errors import UserError
+from active_perceiver.rooms.room import Room
+from active_perceiver.scenes.lattice import Action, islands, lattice_transitions
+
+_MOVES = (Action.MOVE_AHEAD, Action.MOVE_BACK, Action.MOVE_LEFT, Action.MOVE_RIGHT)
+# The lattice is shifted in this many steps along each axis to where most positions are free.
+SHIFTS = 7
+
+
+class FreeSpaceError(UserError, ValueError):
+    """A room in which the robot finds no place."""
+
+
+def free_positions(room: Room, spacing: float = 0.35, radius: float = 0.2) -> NDArray[np.float64]:
+    """Positions of a square lattice a robot can stand on and reach from each other.
+
+    The lattice is laid where it has most positions; of several islands only the largest is kept.
+
+    Args:
+        room: its walls and obstacles.
+        spacing: metres between neighbours.
+        radius: of the robot, metres; nothing comes closer to its centre.
+
+    Returns:
+        (P, 2) x, y in metres.
+
+    Raises:
+        FreeSpaceError: if there is no free position, or spacing or radius are not positive.
+    """
+    if not (spacing > 0 and radius > 0):
+        raise FreeSpaceError(f"spacing and robot radius must be positive, got {spacing} and {radius}")
+    polygons = [polygon for _, polygon in room.obstacles]
+    shifts = np.arange(SHIFTS) * spacing / SHIFTS
+    best = np.zeros((0, 2))
+    for shift_x in shifts:
+        for shift_y in shifts:
+            x = np.arange(radius + shift_x, room.size[0] - radius + 1e-9, spacing)
+            y = np.arange(radius + shift_y, room.size[1] - radius + 1e-9, spacing)
+            lattice = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+            if len(lattice) <= len(best):
+                continue
+            free = lattice[clearance(lattice, lattice, polygons) >= radius]
+            if len(free) > len(best):
+                free = _largest_island(free, polygons, spacing, radius)
+                best = free if len(free) > len(best) else best
+    if len(best) == 0:
+        raise FreeSpaceError(
+            f"room '{room.name}' has no free position for a robot of radius {radius} m; use a smaller radius"
+        )
+    return best
+
+
+def _largest_island(
+    positions: NDArray[np.float64], polygons: Sequence[NDArray[np.float64]], spacing: float, radius: float
+) -> NDArray[np.float64]:
+    poses = np.hstack([positions, np.zeros((len(positions), 2))])
+    transitions = lattice_transitions(poses, _MOVES, spacing)
+    transitions = without_collisions(poses, transitions, polygons, radius)
+    return positions[islands(transitions) == 0]
+
+
+def without_collisions(
+    poses: NDArray[np.floating],
+    transitions: NDArray[np.int32],
+    polygons: Sequence[NDArray[np.float64]],
+    radius: float,
+) -> NDArray[np.int32]:
+    """Block the moves on whose way a robot would touch an obstacle though both ends are free.
+
+    Args:
+        poses: (S, 4).
+        transitions: (S, A).
+        polygons: (K, 2) each, metres.
+        radius: of the robot, metres.
+
+    Returns:
+        (S, A) transitions, a state's own index where the move is blocked.
+    """
+    places = poses[:, :2].astype(np.float64)
+    state, action = np.nonzero((places[transitions] != places[:, None]).any(-1))
+    ends = transitions[state, action]
+    touches = clearance(places[state], places[ends], polygons) < radius - 1e-6
+    result = transitions.copy()
+    result[state[touches], action[touches]] = state[touches]
+    return result
+
+
+def clearance(
+    starts: NDArray[np.float64], ends: NDArray[np.float64], polygons: Sequence[NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """Distance of straight ways from the nearest polygon, (N,) metres; 0 where they touch or enter one.
+
+    Args:
+        starts: (N, 2).
+        ends: (N, 2); equal to `starts` for the clearance of points.
+        polygons: (K, 2) each, filled, convex or not.
+    """
+    nearest = np.full(len(starts), np.inf)
+    for polygon in polygons:
+        corners = np.asarray(polygon, np.float64)
+        following = np.roll(corners, -1, axis=0)
+        distance = _segment_distance(starts[:, None], ends[:, None], corners[None], following[None]).min(axis=1)
+        distance[_inside(starts, corners, following)] = 0
+        nearest = np.minimum(nearest, distance)
+    return nearest
+
+
+def _inside(
+    points: NDArray[np.float64], corners: NDArray[np.float64], following: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Whether points lie in a polygon (N,): an odd number of its edges lie to their right."""
+    x, y = points[:, None, 0], points[:, None, 1]
+    spans = (corners[:, 1] > y) != (following[:, 1] > y)
+    rise = np.where(spans, following[:, 1] - corners[:, 1], 1.0)
+    crossing = corners[:, 0] + (y - corners[:, 1]) / rise * (following[:, 0] - corners[:, 0])
+    return (spans & (crossing > x)).sum(axis=1) % 2 == 1
+
+
+def _segment_distance(
+    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Distance between segments ab and cd; the shapes broadcast, the last axis is x, y."""
+    ends = np.minimum.reduce(
+        [_point_distance(a, c, d), _point_distance(b, c, d), _point_distance(c, a, b), _point_distance(d, a, b)]
+    )
+    crosses = (_side(c, d, a) * _side(c, d, b) < 0) & (_side(a, b, c) * _side(a, b, d) < 0)
+    return np.where(crosses, 0.0, ends)
+
+
+def _point_distance(
+    point: NDArray[np.float64], start: NDArray[np.float64], end: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    along = end - start
+    length = np.maximum((along**2).sum(-1), 1e-18)
+    share = np.clip(((point - start) * along).sum(-1) / length, 0, 1)
+    return np.sqrt(((point - start - share[..., None] * along) ** 2).sum(-1))
+
+
+def _side(start: NDArray[np.float64], end: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:
+    along, to = end - start, point - start
+    return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]

@@ -1,0 +1,1 @@
+"""Furniture, appliances and fixtures of a room, made of parameters."""

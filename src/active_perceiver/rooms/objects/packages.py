@@ -1,0 +1,199 @@
+"""Things in packages: bottle, cereal, milk, can, soap, spray bottle, book."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from active_perceiver.rooms import prints
+from active_perceiver.rooms.boxes import rounded_box
+from active_perceiver.rooms.curves import cylinder, lathe, smooth_profile, tube
+from active_perceiver.rooms.geometry import Mesh, merge, quad, transform
+from active_perceiver.rooms.materials import Material, from_hex
+from active_perceiver.rooms.objects.tableware import pick
+from active_perceiver.rooms.pieces import Pieces, placed
+from active_perceiver.rooms.surfaces import PAPER, WHITE_PAINT, glazed, plastic, printed, steel
+
+
+def _sides(width: float, depth: float, height: float) -> tuple[Mesh, Mesh]:
+    """The (front and back, left and right) faces of a box on z = 0, each covered once by its texture."""
+    x, y = width / 2, depth / 2
+    wide = [
+        quad((-x, -y, 0), (width, 0, 0), (0, 0, height)),
+        quad((x, y, 0), (-width, 0, 0), (0, 0, height)),
+    ]
+    narrow = [
+        quad((x, -y, 0), (0, depth, 0), (0, 0, height)),
+        quad((-x, y, 0), (0, -depth, 0), (0, 0, height)),
+    ]
+    return merge(wide), merge(narrow)
+
+
+def bottle(rng: np.random.Generator) -> Pieces:
+    """A tall bottle of oil or wine with a label and a cap."""
+    size = rng.uniform(0.95, 1.06)
+    glass, label, accent, cap = (
+        ("#1f5a34", "#f3ead2", "#a3262a", "#8f1f26"),
+        ("#6a7a1c", "#f7f2e2", "#4f7a2c", "#26221e"),
+        ("#5a1f24", "#efe4cc", "#b08a2c", "#c7a14a"),
+    )[int(rng.integers(3))]
+    profile = [(0.0, 0.0), (0.036, 0.0), (0.040, 0.006), (0.040, 0.17), (0.037, 0.2), (0.017, 0.235), (0.0145, 0.295)]
+    pieces: Pieces = [
+        (lathe(smooth_profile([*profile, (0.0, 0.296)]), 40), Material(from_hex(glass), roughness=0.06, coat=1.0)),
+        (
+            lathe([(0.0406, 0.05), (0.0406, 0.145)], 40, (2.0, 1.0)),
+            printed(prints.wrap_label("OLIO", label, accent, "#3a2a1c")),
+        ),
+        (transform(cylinder(0.0168, 0.034), (0.0, 0.0, 0.268)), plastic(cap, 0.3)),
+    ]
+    return [(transform(mesh, scale=size), material) for mesh, material in pieces]
+
+
+def cereal(rng: np.random.Generator) -> Pieces:
+    """A box of cereal, its front towards -y."""
+    width, depth, height = 0.19 * rng.uniform(0.95, 1.05), 0.065, 0.285 * rng.uniform(0.97, 1.05)
+    brand, ground, accent = (
+        ("CRUNCH", "#d2342c", "#e8643a"),
+        ("HOOPS", "#2456a8", "#3a78c8"),
+        ("OATIES", "#e08a1c", "#f0a83a"),
+    )[int(rng.integers(3))]
+    front, side = _sides(width, depth, height)
+    lid = quad((-width / 2, -depth / 2, height), (width, 0, 0), (0, depth, 0))
+    floor = quad((-width / 2, depth / 2, 0), (width, 0, 0), (0, -depth, 0))
+    plain = Material(from_hex(ground), roughness=0.5, specular=0.35)
+    return [(front, printed(prints.cereal_box(brand, ground, accent))), (merge([side, lid, floor]), plain)]
+
+
+def milk(rng: np.random.Generator) -> Pieces:
+    """A gable-top milk carton."""
+    width, height, gable = 0.09, 0.185 * rng.uniform(0.97, 1.06), 0.052
+    half = width / 2
+    colour = pick(rng, ("#2a6ab8", "#2f9a5a", "#c83a6a"))
+    wide, narrow = _sides(width, width, height)
+    roof = [
+        quad((-half, -half, height), (width, 0, 0), (0, half - 0.001, gable)),
+        quad((half, half, height), (-width, 0, 0), (0, -half + 0.001, gable)),
+    ]
+    gables = []
+    for side in (-1.0, 1.0):
+        vertices = np.array([[half, -half, height], [half, half, height], [half - 0.004, 0.0, height + gable]])
+        vertices[:, :2] *= side
+        normal = np.cross(vertices[1] - vertices[0], vertices[2] - vertices[0])
+        normals = np.tile(normal / np.linalg.norm(normal), (3, 1))
+        gables.append(Mesh(vertices, normals, np.full((3, 2), 0.5), np.array([[0, 1, 2]])))
+    fin = transform(rounded_box((width - 0.002, 0.004, 0.022), 0.001), (0.0, 0.0, height + gable + 0.0095))
+    cap = transform(cylinder(0.014, 0.014, 24), (0.0, -0.026, height + 0.023), (41.0, 0.0, 0.0))
+    white = Material(from_hex("#f7f8fa"), roughness=0.4)
+    floor = quad((-half, half, 0), (width, 0, 0), (0, -width, 0))
+    return [
+        (merge([wide, narrow]), printed(prints.milk_carton("MILK", colour), 0.4)),
+        (merge([*roof, *gables, floor]), Material(from_hex(colour), roughness=0.4)),
+        (fin, white),
+        (cap, plastic(colour)),
+    ]
+
+
+def can(rng: np.random.Generator) -> Pieces:
+    """A tin can with a paper label."""
+    radius, height = 0.040 * rng.uniform(0.95, 1.05), 0.115 * rng.uniform(0.95, 1.06)
+    title, ground, accent, ink = (
+        ("SOUP", "#c22a24", "#f0c040", "#fff6e4"),
+        ("BEANS", "#2a7a6a", "#e8843a", "#fff6e4"),
+        ("CORN", "#3a8a3a", "#f5d040", "#fffbe8"),
+    )[int(rng.integers(3))]
+    metal = [
+        (0.0, 0.0025),
+        (radius - 0.003, 0.0025),
+        (radius - 0.001, 0.0),
+        (radius + 0.001, 0.001),
+        (radius + 0.001, 0.004),
+        (radius - 0.0006, 0.006),
+        (radius - 0.0006, height - 0.006),
+        (radius + 0.001, height - 0.004),
+        (radius + 0.001, height - 0.001),
+        (radius - 0.001, height),
+        (radius - 0.003, height - 0.004),
+        (radius * 0.7, height - 0.0035),
+        (radius * 0.66, height - 0.0045),
+        (0.0, height - 0.0045),
+    ]
+    label = lathe([(radius, 0.007), (radius, height - 0.007)], 40, (2.0, 1.0))
+    return [
+        (lathe(metal, 40), steel()),
+        (label, printed(prints.wrap_label(title, ground, accent, ink), 0.45)),
+    ]
+
+
+def soap(rng: np.random.Generator) -> Pieces:
+    """A pump bottle of soap, its spout towards +x."""
+    size = rng.uniform(1.0, 1.12)
+    colour = pick(rng, ("#3fb0a0", "#e07aa0", "#8fc04a"))
+    body = [(0.0, 0.0), (0.036, 0.0), (0.040, 0.006), (0.040, 0.12), (0.030, 0.138), (0.014, 0.144), (0.014, 0.152)]
+    collar = transform(cylinder(0.016, 0.018, 24), (0.0, 0.0, 0.148))
+    spout = smooth_profile([[-0.014, 0, 0.203], [0.02, 0, 0.203], [0.046, 0, 0.203], [0.052, 0, 0.192]])
+    pump = merge([collar, tube([[0, 0, 0.165], [0, 0, 0.2]], 0.0055), tube(spout, 0.0075)])
+    label = lathe([(0.0406, 0.04), (0.0406, 0.1)], 36, (2.0, 1.0))
+    pieces: Pieces = [
+        (lathe(smooth_profile([*body, (0.0, 0.1525)]), 36), glazed(colour, 0.1)),
+        (label, printed(prints.wrap_label("SOAP", "#f7f7f2", colour, "#2f5f5a"))),
+        (pump, WHITE_PAINT),
+    ]
+    return [(transform(mesh, scale=size), material) for mesh, material in pieces]
+
+
+def spray_bottle(rng: np.random.Generator) -> Pieces:
+    """A cleaner's spray bottle: trigger and nozzle towards +x."""
+    colour, head = (("#4aa8e0", "#f0f0ee"), ("#f2c31c", "#d23a2c"), ("#f4f4f2", "#2f8f5a"))[int(rng.integers(3))]
+    body = transform(lathe(smooth_profile(_SPRAY), 36), scale=(1.0, 0.68, 1.0))
+    neck = transform(cylinder(0.017, 0.028, 24), (0.0, 0.0, 0.168))
+    top = transform(rounded_box((0.085, 0.028, 0.036), 0.010, 2), (0.016, 0.0, 0.213))
+    nozzle = transform(cylinder(0.009, 0.016, 18), (0.056, 0.0, 0.217), (0.0, 90.0, 0.0))
+    trigger = tube(smooth_profile([[0.036, 0, 0.198], [0.05, 0, 0.18], [0.042, 0, 0.155]]), 0.006, 10)
+    pieces: Pieces = [
+        (body, plastic(colour, 0.2)),
+        (merge([neck, top]), plastic(head)),
+        (merge([nozzle, trigger]), plastic("#d2402c")),
+    ]
+    return placed(pieces, scale=rng.uniform(1.0, 1.12))
+
+
+_SPRAY = (
+    (0.0, 0.0),
+    (0.042, 0.0),
+    (0.048, 0.008),
+    (0.048, 0.095),
+    (0.03, 0.14),
+    (0.018, 0.158),
+    (0.018, 0.172),
+    (0.0, 0.173),
+)
+
+
+def book(rng: np.random.Generator) -> Pieces:
+    """A hardback lying on its back, its front cover up, spine towards -x."""
+    width, depth, height = (
+        0.17 * rng.uniform(0.95, 1.08),
+        0.235 * rng.uniform(0.95, 1.05),
+        0.034 * rng.uniform(0.9, 1.2),
+    )
+    title, ground, accent = (
+        ("THE KITCHEN BOOK", "#1f5f6a", "#f0b03a"),
+        ("BREAD AND SALT", "#a8352a", "#f3d9a0"),
+        ("SOUPS", "#3a5a2a", "#e89a3a"),
+    )[int(rng.integers(3))]
+    board = 0.003
+    cover = Material(from_hex(ground), roughness=0.5)
+    boards = [
+        rounded_box((width, depth, board), 0.0012, base=True),
+        transform(rounded_box((width, depth, board), 0.0012, base=True), (0.0, 0.0, height - board)),
+        transform(
+            rounded_box((board, depth, height - 2 * board + 0.0004), 0.0005),
+            (-width / 2 + board / 2, 0.0, height / 2),
+        ),
+    ]
+    pages = transform(
+        rounded_box((width - 0.009, depth - 0.008, height - 2 * board + 0.0006), 0.0008), (-0.0008, 0.0, height / 2)
+    )
+    front = quad(
+        (-width / 2 + 0.002, -depth / 2 + 0.002, height + 0.0005), (width - 0.004, 0, 0), (0, depth - 0.004, 0)
+    )
+    return [(merge(boards), cover), (pages, PAPER), (front, printed(prints.book_cover(title, ground, accent), 0.4))]

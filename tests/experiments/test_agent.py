@@ -1,0 +1,233 @@
+"""ActivePerceiver: what a robot runs, without torch, and what it refuses."""
+
+import dataclasses
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from active_perceiver.agent_config import AgentConfig, AgentError
+from active_perceiver.experiments.evaluating import agent_sightings
+from active_perceiver.files import OutputExistsError
+from active_perceiver.perceiver import ActivePerceiver
+from active_perceiver.policies.policy import policy_table
+from active_perceiver.robots import RecordedRobot, search
+from active_perceiver.scenes import ImageError
+from active_perceiver.search.task import SearchTask
+
+pytestmark = pytest.mark.xdist_group("agent")
+
+
+@pytest.fixture(scope="module")
+def agent(agent_folder) -> ActivePerceiver:
+    return ActivePerceiver.from_pretrained(agent_folder)
+
+
+def test_acting_on_one_image_is_what_the_tables_say(agent, scene):
+    """What is measured on tables is what a robot does: same detections, same probabilities, same word."""
+    sightings = agent_sightings(agent)[0]
+    threshold = agent.config.score_threshold
+    observations = sightings.observations(threshold, [1])
+    table = policy_table(agent.policy, observations, scene.name, 0)
+    for target in range(3):
+        agent.reset(scene.targets[target].picture(1), seed=0)
+        for state in range(0, len(scene), 17):
+            score, box = sightings.scores[state, target, 1], sightings.boxes[state, target, 1]
+            if abs(score - threshold) < 0.01:
+                continue  # rounding of cached maps may tip it
+            step = agent.act(scene.view(state))
+            assert (step.detection is not None) == (score >= threshold)
+            if step.detection is not None:
+                assert step.detection.score == pytest.approx(score, abs=0.01)
+                np.testing.assert_allclose(step.detection.box, box, atol=0.01)
+                if abs(step.detection.area - agent.found_area) > 0.01:
+                    assert step.found == (step.detection.area >= agent.found_area)
+            np.testing.assert_allclose(step.probabilities, table[state, target], atol=0.02)
+
+
+def test_each_picture_is_matched_to_its_target(agent, scene):
+    for target in scene.targets:
+        agent.reset(target.picture(0))
+        known = next(entry for entry in agent.config.targets if entry.name == target.name)
+        assert agent.found_area == known.found_area
+
+
+def test_an_unknown_picture_gets_the_common_threshold(agent):
+    noise = np.random.default_rng(0).integers(0, 255, (64, 64, 3)).astype(np.uint8)
+    agent.reset(noise)
+    assert agent.found_area == agent.config.found_area
+
+
+def test_a_search_follows_from_its_seed(agent, scene):
+    def run(seed):
+        with RecordedRobot(scene, 5) as robot:
+            record = search(agent, robot, scene.targets[0].picture(0), max_steps=25, seed=seed)
+        return [glimpse.pose for glimpse in record.glimpses]
+
+    assert run(1) == run(1)
+    assert any(run(1) != run(seed) for seed in range(2, 6))
+
+
+def test_it_finds_a_ball_and_says_so(agent, scene):
+    task = SearchTask.from_scene(scene)
+    found, right = 0, 0
+    for target in range(3):
+        for start in task.starts(target)[::40]:
+            with RecordedRobot(scene, int(start)) as robot:
+                record = search(agent, robot, scene.targets[target].picture(0), max_steps=60, seed=int(start))
+                found += record.found
+                right += record.found and task.areas[robot.state, target] > 0
+    assert found >= 5
+    assert right >= 0.7 * found
+
+
+def test_it_gives_up_at_the_limit_when_the_object_is_not_there(agent, scene):
+    with RecordedRobot(scene, 0) as robot:
+        black = np.zeros((40, 40, 3), np.uint8)
+        agent_that_never_believes = dataclasses.replace(agent.config, score_threshold=1.1)
+        sceptic = ActivePerceiver(agent.folder, agent_that_never_believes, agent.backbone)
+        record = search(sceptic, robot, black, max_steps=7, seed=0)
+    assert not record.found
+    assert record.actions == 7
+
+
+def test_the_robot_is_stopped_whatever_happens(agent, scene):
+    class Breaking(RecordedRobot):
+        stops = 0
+
+        def do(self, action):
+            raise ConnectionError("the robot is gone")
+
+        def stop(self):
+            self.stops += 1
+
+    robot = Breaking(scene, 0)
+    with pytest.raises(ConnectionError):
+        search(agent, robot, scene.targets[0].picture(0), seed=0)
+    assert robot.stops == 1
+
+
+@pytest.mark.parametrize("mode", ["RGBA", "L", "P", "exif", "tall"])
+def test_pictures_of_every_kind_find_their_target(agent, scene, tmp_path, mode):
+    image = Image.fromarray(scene.targets[0].picture(0))
+    path = tmp_path / "picture.png"
+    options = {}
+    if mode == "RGBA":
+        image.putalpha(Image.fromarray((np.asarray(image)[..., 1] < 150).astype(np.uint8) * 255))
+    elif mode == "exif":
+        exif = Image.Exif()
+        exif[274] = 8
+        options = {"exif": exif}
+    elif mode == "tall":
+        tall = Image.new("RGB", (48, 120), (215, 215, 215))
+        tall.paste(image, (0, 36))
+        image = tall
+    else:
+        image = image.convert(mode)
+    image.save(path, **options)
+    agent.reset(path, seed=0)
+    assert agent.act(scene.view(0)).probabilities.sum() == pytest.approx(1, abs=1e-5)
+
+
+def test_an_unreadable_picture_is_refused(agent, tmp_path):
+    path = tmp_path / "broken.jpg"
+    path.write_bytes(b"\xff\xd8\xff broken")
+    with pytest.raises(ImageError, match=r"broken\.jpg"):
+        agent.reset(path)
+
+
+def test_act_before_reset_and_unknown_branches_are_refused(agent_folder):
+    fresh = ActivePerceiver.from_pretrained(agent_folder)
+    with pytest.raises(AgentError, match="call reset"):
+        fresh.act(np.zeros((8, 8, 3), np.uint8))
+    with pytest.raises(AgentError, match="not trained in 'attic'"):
+        fresh.reset(np.zeros((8, 8, 3), np.uint8), scene="attic")
+
+
+def test_several_branches_need_a_choice(agent):
+    config = dataclasses.replace(agent.config, branches={"a": ["MoveAhead"], "b": ["MoveAhead"]})
+    with pytest.raises(AgentError, match=r"several scenes \(a, b\)"):
+        ActivePerceiver(agent.folder, config, agent.backbone).reset(np.zeros((8, 8, 3), np.uint8))
+
+
+def test_save_pretrained_copies_and_does_not_overwrite(agent, scene, tmp_path):
+    agent.save_pretrained(tmp_path / "copy")
+    copy = ActivePerceiver.from_pretrained(tmp_path / "copy")
+    agent.reset(scene.targets[1].picture(0), seed=3)
+    copy.reset(scene.targets[1].picture(0), seed=3)
+    np.testing.assert_array_equal(agent.act(scene.view(9)).probabilities, copy.act(scene.view(9)).probabilities)
+    with pytest.raises(OutputExistsError):
+        agent.save_pretrained(tmp_path / "copy")
+
+
+def damage(folder: Path, change) -> None:
+    path = folder / "config.json"
+    data = json.loads(path.read_text())
+    change(data)
+    path.write_text(json.dumps(data))
+
+
+DAMAGES = {
+    "no config": (lambda folder: (folder / "config.json").unlink(), "not an agent"),
+    "no JSON": (lambda folder: (folder / "config.json").write_text("{"), "cannot be read as JSON"),
+    "other format": (lambda folder: damage(folder, lambda d: d.update(format="x")), "does not describe an agent"),
+    "newer": (lambda folder: damage(folder, lambda d: d.update(version=9)), "has version 9"),
+    "field missing": (lambda folder: damage(folder, lambda d: d.pop("backbone")), "lacks backbone"),
+    "unknown action": (lambda folder: damage(folder, lambda d: d.update(branches={"a": ["Fly"]})), "damaged"),
+    "targets odd": (lambda folder: damage(folder, lambda d: d.update(targets=[{"x": 1}])), "damaged"),
+    "no recogniser": (lambda folder: (folder / "recogniser.onnx").unlink(), "lacks recogniser.onnx"),
+    "no policy": (lambda folder: (folder / "policy.onnx").unlink(), "lacks policy.onnx"),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGES)
+def test_damaged_folders_say_what_is_wrong(agent_folder, tmp_path, name):
+    folder = tmp_path / "agent"
+    shutil.copytree(agent_folder, folder)
+    change, message = DAMAGES[name]
+    change(folder)
+    with pytest.raises(AgentError, match=message):
+        ActivePerceiver.from_pretrained(folder)
+
+
+def test_a_config_survives_the_file(agent, tmp_path):
+    agent.config.save(tmp_path)
+    assert AgentConfig.load(tmp_path) == agent.config
+
+
+NO_TORCH = """
+import sys
+
+class Refuse:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in ("torch", "embreex", "mitsuba_oidn"):
+            raise ImportError(name + " is not on this robot")
+
+sys.meta_path.insert(0, Refuse())
+from active_perceiver.perceiver import ActivePerceiver
+from active_perceiver.robots import RecordedRobot, search
+from active_perceiver.scenes import open_scene
+
+agent = ActivePerceiver.from_pretrained(sys.argv[1])
+scene = open_scene(sys.argv[2])
+with RecordedRobot(scene, 3) as robot:
+    record = search(agent, robot, scene.targets[0].picture(0), max_steps=5, seed=0)
+assert "torch" not in sys.modules
+print(record.actions)
+"""
+
+
+def test_it_runs_where_torch_cannot_be_imported(agent_folder, scene_file):
+    done = subprocess.run(
+        [sys.executable, "-c", NO_TORCH, str(agent_folder), str(scene_file)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip().isdigit()

@@ -1,0 +1,90 @@
+"""Searches that end by the agent's own word, against a slow loop."""
+
+import numpy as np
+import pytest
+
+from active_perceiver.experiments import own_word
+from active_perceiver.scenes.lattice import goal_states, steps_to_goal
+
+
+@pytest.fixture
+def tables(scene):
+    rng = np.random.default_rng(1)
+    raw = rng.random((len(scene), 2, 8)) ** 3
+    return raw / raw.sum(-1, keepdims=True)
+
+
+def search(scene, tables, found, detected, searches=400, seed=0):
+    goals = goal_states(scene.areas)[:, 0]
+    return own_word.search_by_own_word(
+        "toy", "ball0", tables, found, detected, scene.boxes[:, 0], scene.transitions,
+        steps_to_goal(scene.transitions, goals), searches, np.random.default_rng(seed),
+    )  # fmt: skip
+
+
+def perfect(scene):
+    detected = np.repeat(np.nan_to_num(scene.boxes[:, :1]), 2, axis=1)
+    goals = np.repeat(goal_states(scene.areas)[:, :1], 2, axis=1)
+    return goals, detected
+
+
+def test_a_perfect_eye_finds_truly_and_at_goals(scene, tables):
+    result = search(scene, tables, *perfect(scene))
+    assert result.true_found == pytest.approx(1.0, abs=0.02)
+    assert result.at_goal == result.true_found
+    assert result.false_found == 0
+
+
+def test_shares_add_up_and_a_box_elsewhere_is_false(scene, tables):
+    found, detected = perfect(scene)
+    detected = np.clip(1 - detected, 0.01, 0.99)
+    result = search(scene, tables, found, detected)
+    assert result.true_found + result.false_found + result.not_found == pytest.approx(1)
+    assert result.false_found > 0.5
+
+
+def test_who_never_says_found_gives_up(scene, tables):
+    _, detected = perfect(scene)
+    result = search(scene, tables, np.zeros((len(scene), 2), bool), detected, searches=3)
+    assert result.not_found == 1
+    assert np.isnan(result.mean_steps)
+
+
+def test_mean_steps_agree_with_a_slow_loop(scene, tables):
+    found, detected = perfect(scene)
+    fast = search(scene, tables, found, detected, searches=3000)
+    rng = np.random.default_rng(5)
+    starts = np.flatnonzero(~found[:, 0])
+    lengths = []
+    for _ in range(600):
+        state, picture, steps = int(rng.choice(starts)), int(rng.integers(2)), 0
+        while not found[state, picture] and steps < own_word.LIMIT:
+            state = scene.transitions[state, rng.choice(8, p=tables[state, picture])]
+            steps += 1
+        if found[state, picture]:
+            lengths.append(steps)
+    error = np.std(lengths) / np.sqrt(len(lengths))
+    assert abs(np.mean(lengths) - fast.mean_steps) < 4 * error + 4 * np.std(lengths) / np.sqrt(3000)
+
+
+def test_the_same_seed_gives_the_same_result(scene, tables):
+    assert search(scene, tables, *perfect(scene)) == search(scene, tables, *perfect(scene))
+
+
+@pytest.mark.parametrize(
+    ("own", "expected"),
+    [([0.3, 0.25, 0.4], 0.2), ([0.19, 0.15, 0.4], 0.15), ([0.01, 0.3, 0.3], 0.12), ([0.0, 0.0, 0.0], 0.12)],
+)
+def test_found_area_is_the_smallest_own_box_at_a_goal_within_limits(own, expected):
+    areas = np.array([0.2, 0.3, 0.25, 0.05])
+    goals = np.array([True, True, True, False])
+    side = np.sqrt(np.array([*own, 0.9]))
+    boxes = np.stack([np.full(4, 0.5), np.full(4, 0.5), side, side], 1)[:, None]
+    scores = (side > 0).astype(float)[:, None]
+    assert own_word.found_area(scores, boxes, areas, goals, 0.5) == pytest.approx(expected)
+
+
+def test_says_found_needs_both_score_and_area():
+    boxes = np.array([[0.5, 0.5, 0.5, 0.5]] * 3)
+    found = own_word.says_found(np.array([0.9, 0.4, 0.9]), boxes, 0.5, np.array([0.2, 0.2, 0.3]))
+    assert found.tolist() == [True, False, False]

@@ -1,0 +1,97 @@
+"""Training as a whole: what it writes, what it refuses, that it goes on where it stopped."""
+
+import dataclasses
+import json
+
+import pytest
+
+from active_perceiver.errors import UserError
+from active_perceiver.experiments import training
+from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
+from active_perceiver.files import OutputExistsError
+
+pytestmark = pytest.mark.xdist_group("agent")
+
+
+def test_the_folder_is_complete_and_the_result_says_how_good_it_is(agent_folder, scene):
+    names = {path.name for path in agent_folder.iterdir()}
+    assert names == {
+        "README.md", "config.json", "policy.onnx", "policy.safetensors", "recogniser.json", "recogniser.onnx",
+        "recogniser.safetensors", "result.json", "targets",
+    }  # fmt: skip
+    result = json.loads((agent_folder / "result.json").read_text())
+    assert result["command"] == "train"
+    assert {entry["target"] for entry in result["per_target"]} == set(scene.target_names)
+    assert result["overall"]["success"] > 0.95
+    assert result["machine"]["cores"] >= 1
+    assert (agent_folder / "README.md").read_text().startswith("---\nlibrary_name: active-perceiver")
+    assert not agent_folder.with_name("toy.part").exists()
+
+
+def test_an_agent_that_is_there_is_not_overwritten(settings, agent_folder):
+    before = (agent_folder / "config.json").read_bytes()
+    with pytest.raises(OutputExistsError, match="--force"):
+        training.train_agent(settings, agent_folder)
+    assert (agent_folder / "config.json").read_bytes() == before
+
+
+def test_an_interrupted_training_goes_on_and_gives_the_same_agent(settings, agent_folder, tmp_path, monkeypatch):
+    out = tmp_path / "agent"
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(training, "_policy_stage", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            training.train_agent(settings, out)
+    assert not out.exists()
+    with pytest.raises(OutputExistsError, match="--resume"):
+        training.train_agent(settings, out)
+    with pytest.raises(UserError, match="other settings"):
+        training.train_agent(dataclasses.replace(settings, seed=9), out, resume=True)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(training, "_train_recogniser", interrupted)  # it is there already
+        training.train_agent(settings, out, resume=True)
+    assert (out / "recogniser.onnx").read_bytes() == (agent_folder / "recogniser.onnx").read_bytes()
+    again, first = (json.loads((folder / "result.json").read_text()) for folder in (out, agent_folder))
+    assert again["overall"] == first["overall"]
+    assert again["own_word"] == first["own_word"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"targets": ("unicorn",)}, "no scene has the target unicorn"),
+        ({"scenes": ()}, "at least one"),
+        ({"scenes": ("nowhere",)}, "neither a bundled scene"),
+        ({"backbone": "alexnet"}, "no backbone 'alexnet'"),
+        ({"entropy_weight": 0.1}, "has no entropy_weight"),
+        ({"reward": "record"}, "ppo"),
+    ],
+)
+def test_wrong_settings_are_refused_before_anything_long(settings, tmp_path, change, message):
+    with pytest.raises(UserError, match=message):
+        training.train_agent(dataclasses.replace(settings, **change), tmp_path / "agent")
+
+
+def test_the_same_scene_twice_is_refused(settings, tmp_path):
+    twice = dataclasses.replace(settings, scenes=settings.scenes * 2)
+    with pytest.raises(UserError, match="different names"):
+        training.train_agent(twice, tmp_path / "agent")
+
+
+def test_ppo_trains_for_the_paper_s_reward(settings, tmp_path):
+    record = dataclasses.replace(
+        settings, learner="ppo", reward="record", entropy_weight=0.01, recogniser_steps=5, policy_seconds=2.0
+    )
+    body = training.train_agent(record, tmp_path / "agent")
+    assert 0 <= body["overall"]["success"] <= 1
+    assert body["settings"]["reward"] == "record"
+
+
+def test_settings_have_a_help_text_for_each_field():
+    for kind in (TrainSettings, EvaluateSettings):
+        assert dataclasses.is_dataclass(kind)
+        assert kind()
