@@ -141,7 +141,8 @@ class ActivePerceiver:
         detection = Detection(float(scores[0]), boxes[0]) if scores[0] >= self.config.score_threshold else None
         mask = location_mask(np.full(4, np.nan) if detection is None else detection.box)
         probabilities = self.policy.probabilities(pooled(maps), self._target, mask[None], self._branch)[0]
-        draw = self._random.choice(len(probabilities), p=probabilities.astype(np.float64) / probabilities.sum())
+        exact = probabilities.astype(np.float64)  # in float32 they sum to 1 only nearly
+        draw = self._random.choice(len(exact), p=exact / exact.sum())
         return Step(
             action=self.actions[int(draw)],
             detection=detection,

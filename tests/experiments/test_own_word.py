@@ -81,7 +81,7 @@ def test_found_area_is_the_smallest_own_box_at_a_goal_within_limits(own, expecte
     side = np.sqrt(np.array([*own, 0.9]))
     boxes = np.stack([np.full(4, 0.5), np.full(4, 0.5), side, side], 1)[:, None]
     scores = (side > 0).astype(float)[:, None]
-    assert own_word.found_area(scores, boxes, areas, goals, 0.5) == pytest.approx(expected)
+    assert own_word.found_area(scores, boxes, areas, goals, 0.5) == pytest.approx(own_word.MARGIN * expected)
 
 
 def test_says_found_needs_both_score_and_area():

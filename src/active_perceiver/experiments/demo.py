@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -46,8 +47,10 @@ def run_demo(
     started = time.monotonic()
     if (out / "result.json").exists() and not (force or resume):
         raise OutputExistsError(f"{out} holds a demo already; give another --out, or --force to replace it")
-    trained = train_agent(settings, out / "agent", force=force, resume=resume)
-    pooled = measure_recogniser(replace(settings, recogniser="pooled"))
+    trained = _finished(out / "agent" / "result.json", resume) or train_agent(
+        settings, out / "agent", force=force, resume=resume
+    )
+    pooled = _finished(out / "pooled_recogniser.json", resume) or _pooled_figures(settings, out)
     agent = ActivePerceiver.from_pretrained(out / "agent")
     scene = open_scene(settings.scenes[0])
     found = [_search_for(agent, scene, name, out, settings.seed) for name in settings.targets]
@@ -64,6 +67,19 @@ def run_demo(
         print(f"{item.summary.target}: {verdict(item.record)}")
     print(f"\nlook at {out}/report.html; videos are {out}/<target>/search.mp4, numbers in {out}/result.json")
     return result
+
+
+def _finished(path: Path, resume: bool) -> dict[str, Any] | None:
+    """The result of a stage that an interrupted demo has finished."""
+    return json.loads(path.read_text()) if resume and path.is_file() else None
+
+
+def _pooled_figures(settings: TrainSettings, out: Path) -> dict[str, Any]:
+    """The figures of the paper's recogniser on the same split, kept for a demo that is interrupted later."""
+    figures = measure_recogniser(replace(settings, recogniser="pooled"))
+    with replacing(out / "pooled_recogniser.json") as temporary:
+        temporary.write_text(json.dumps(figures))
+    return figures
 
 
 def _search_for(agent: ActivePerceiver, scene: Scene, name: str, out: Path, seed: int) -> Found:

@@ -19,6 +19,10 @@ LIMIT = 500
 TRUE_IOU = 0.5
 """A "found" is true if the drawn box overlaps the object's true box at least so much."""
 
+MARGIN = 0.95
+"""A box is enough if it is so much of the smallest expected one: another picture of the same object gives slightly
+other boxes, and an agent in front of the object that misses its mark by a hair would search on for ever."""
+
 
 @dataclass(frozen=True)
 class OwnWord:
@@ -75,7 +79,7 @@ def found_area(
 
     The policy leads to the goal states, so each of them should be enough: the smallest box seen in any of them
     with any picture, but never less than 0.6 of the smallest true one, so that one bad detection does not make the
-    agent stop far away.
+    agent stop far away; less a `MARGIN`.
 
     Args:
         scores: (S, K) presence probabilities for the target's pictures.
@@ -87,7 +91,8 @@ def found_area(
     smallest_true = float(areas[goals].min())
     seen = scores[goals] >= threshold
     own = (boxes[goals][..., 2] * boxes[goals][..., 3])[seen]
-    return float(np.clip(own.min() if len(own) else 0.0, 0.6 * smallest_true, smallest_true))
+    smallest = np.clip(own.min() if len(own) else 0.0, 0.6 * smallest_true, smallest_true)
+    return MARGIN * float(smallest)
 
 
 def search_by_own_word(
