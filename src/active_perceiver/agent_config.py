@@ -46,7 +46,7 @@ class AgentConfig:
         branches: policy branch (scene name) -> names of its actions.
         targets: what the policy was trained for.
         found_area: `KnownTarget.found_area` for a picture that shows none of them.
-        known_similarity: cosine similarity of pooled features from which on a picture shows a known target.
+        known_similarity: cosine similarity of the recogniser's codes from which on a picture shows a known target.
         training: how it was trained (settings and seeds), for people to read.
     """
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,7 +50,7 @@ class ActivePerceiver:
         self.backbone = backbone
         self.recogniser = Recogniser(folder / "recogniser.onnx")
         self.policy = Policy(folder / "policy.onnx")
-        self.known = KnownTargets(folder, config.targets, backbone, config.known_similarity)
+        self.known = KnownTargets(folder, config, backbone, self.recogniser)
         self._branch = ""
 
     @classmethod
@@ -122,7 +121,7 @@ class ActivePerceiver:
         self._branch = branch
         self._target = pooled(maps)
         self._code = self.recogniser.encode_target(maps)
-        match = self.known.match(self._target[0], branch)
+        match = self.known.match(self._code[0], branch)
         self.found_area = match.found_area if match else self.config.found_area
         self._random = np.random.default_rng(seed)
 
@@ -156,39 +155,48 @@ class ActivePerceiver:
 
 
 class KnownTargets:
-    """The targets an agent was trained for, told apart by their pictures: how close it has to get to each."""
+    """The targets an agent was trained for, told apart by their pictures: how close it has to get to each.
 
-    def __init__(
-        self, folder: Path, targets: Sequence[KnownTarget], backbone: Backbone, least_similarity: float
-    ) -> None:
+    Pictures are compared by the recogniser's codes of them, which were learned to tell objects apart.
+    """
+
+    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, recogniser: Recogniser) -> None:
         self._folder = folder
-        self._targets = targets
+        self._config = config
         self._backbone = backbone
-        self._least_similarity = least_similarity
-        self._features: dict[KnownTarget, NDArray[np.float32]] = {}
+        self._recogniser = recogniser
+        self._codes: dict[KnownTarget, NDArray[np.float32]] = {}
 
-    def features(self, target: KnownTarget) -> NDArray[np.float32]:
+    def codes(self, target: KnownTarget) -> NDArray[np.float32]:
         """(K, D) float32 unit vectors, one a picture; computed when first asked for.
 
         Raises:
             AgentError: if the agent's folder holds no picture of the target.
         """
-        if target not in self._features:
+        if target not in self._codes:
             pictures = picture_folder(self._folder, target.scene, target.name)
             files = sorted(pictures.glob("*"))
             if not files:
                 raise AgentError(f"{pictures} holds no pictures; copy the whole agent")
-            self._features[target] = unit_vectors(pooled(self._backbone.maps([read_image(file) for file in files])))
-        return self._features[target]
+            maps = self._backbone.maps([read_image(file) for file in files])
+            self._codes[target] = unit_vectors(self._recogniser.encode_target(maps))
+        return self._codes[target]
 
-    def match(self, feature: NDArray[np.float32], scene: str) -> KnownTarget | None:
-        """The target of a scene whose pictures are most like one with this pooled feature; None if none is alike."""
-        ours = unit_vectors(feature)
+    def match(self, code: NDArray[np.float32], scene: str) -> KnownTarget | None:
+        """The target of a scene whose pictures are most like the one with this code; None if none is alike.
+
+        Args:
+            code: (D,) the recogniser's code of a picture.
+            scene: whose targets to compare with.
+        """
+        ours = unit_vectors(code)
         similarity = {
-            target: float((self.features(target) @ ours).max()) for target in self._targets if target.scene == scene
+            target: float((self.codes(target) @ ours).max())
+            for target in self._config.targets
+            if target.scene == scene
         }
         best = max(similarity, key=lambda target: similarity[target], default=None)
-        return best if best is not None and similarity[best] >= self._least_similarity else None
+        return best if best is not None and similarity[best] >= self._config.known_similarity else None
 
 
 def unit_vectors(features: NDArray[np.float32]) -> NDArray[np.float32]:

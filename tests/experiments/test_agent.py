@@ -64,13 +64,19 @@ def test_an_unknown_picture_gets_the_common_threshold(agent):
 
 
 def test_a_search_follows_from_its_seed(agent, scene):
+    steps = SearchTask.from_scene(scene).steps[:, 0]
+    far = np.argsort(-steps, kind="stable")[:12]
+
     def run(seed):
-        with RecordedRobot(scene, 5) as robot:
-            record = search(agent, robot, scene.targets[0].picture(0), max_steps=25, seed=seed)
-        return [glimpse.pose for glimpse in record.glimpses]
+        paths = []
+        for start in far:
+            with RecordedRobot(scene, int(start)) as robot:
+                record = search(agent, robot, scene.targets[0].picture(0), max_steps=25, seed=seed)
+            paths.append([glimpse.pose for glimpse in record.glimpses])
+        return paths
 
     assert run(1) == run(1)
-    assert any(run(1) != run(seed) for seed in range(2, 6))
+    assert any(run(1) != run(seed) for seed in range(2, 5))
 
 
 def test_it_finds_a_ball_and_says_so(agent, scene):

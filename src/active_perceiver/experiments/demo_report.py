@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from active_perceiver.experiments.result import shown
 from active_perceiver.experiments.searching import path_png
 from active_perceiver.figures import page
 from active_perceiver.figures.annotate import draw_detection
@@ -137,9 +138,15 @@ def _search_card(item: Found) -> str:
 def _policy_table(body: dict[str, Any]) -> str:
     rows = []
     for result in [*body["per_target"], {**body["overall"], "target": "all"}]:
-        steps = [f"{result[name]:.2f}" for name in ("mean_steps", "shortest_mean")]
+        steps = [shown(result[name], ".2f") for name in ("mean_steps", "shortest_mean")]
         rows.append(
-            [result["target"], f"{result['success']:.4f}", *steps, f"{result['ratio']:.3f}", f"{result['spl']:.3f}"]
+            [
+                result["target"],
+                shown(result["success"], ".4f"),
+                *steps,
+                shown(result["ratio"], ".3f"),
+                shown(result["spl"], ".3f"),
+            ]
         )
     note = "Exact, from the policy's Markov chain: every start from which a goal state can be reached, no sampling."
     head = ["target", "success", "mean actions", "fewest possible", "ratio", "SPL"]
@@ -151,8 +158,11 @@ def _word_table(body: dict[str, Any]) -> str:
     for label, key in (("pictures seen in training", "pictures_seen"), ("pictures never seen", "pictures_unseen")):
         words = body["own_word"][key]
         for result in [*words["per_target"], {**words["overall"], "target": "all"}]:
-            shares = [f"{100 * result[name]:.0f} %" for name in ("true_found", "false_found", "not_found", "at_goal")]
-            rows.append([f"{result['target']}, {label}", *shares, f"{result['mean_steps']:.1f}"])
+            shares = [
+                f"{shown(100 * result[name], '.0f')} %"
+                for name in ("true_found", "false_found", "not_found", "at_goal")
+            ]
+            rows.append([f"{result['target']}, {label}", *shares, shown(result["mean_steps"], ".1f")])
     protocol = body["own_word"]["protocol"]
     note = (
         f"{protocol['searches']} searches per target from random starts, at most {protocol['limit']} actions. "
@@ -167,9 +177,7 @@ def _recogniser_table(body: dict[str, Any]) -> str:
     for kind, figures in body["recogniser"].items():
         for pictures in ("seen pictures", "unseen pictures"):
             metrics = figures["metrics"][pictures]
-            rates = [
-                f"{metrics[name]:.3f}" for name in ("auroc", "ap50", "mean_iou", "recall", "false_positive_rate")
-            ]
+            rates = [shown(metrics[name]) for name in ("auroc", "ap50", "mean_iou", "recall", "false_positive_rate")]
             rows.append([f"{kind}, {pictures}", *rates, metrics["positives"]])
     note = (
         "“matching” compares the target with every place in the view, “pooled” is the paper's. Objects of at least "

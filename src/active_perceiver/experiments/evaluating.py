@@ -11,7 +11,7 @@ import numpy as np
 
 from active_perceiver.errors import UserError
 from active_perceiver.experiments import own_word
-from active_perceiver.experiments.result import write_result
+from active_perceiver.experiments.result import shown, write_result
 from active_perceiver.experiments.settings import EvaluateSettings
 from active_perceiver.experiments.sightings import Sightings, picture_split, see_everywhere
 from active_perceiver.files import OutputExistsError
@@ -130,7 +130,7 @@ def _own_word(
         )
         for index, name in enumerate(seen.names):
             # As `ActivePerceiver.reset` does: the picture alone tells which threshold applies.
-            matches = [agent.known.match(feature, seen.scene.name) for feature in observations.target_features[index]]
+            matches = [agent.known.match(code, seen.scene.name) for code in seen.target_codes[index][list(pictures)]]
             areas = np.array([match.found_area if match else config.found_area for match in matches])
             scores, boxes = (array[:, index][:, list(pictures)] for array in (seen.scores, seen.boxes))
             found = own_word.says_found(scores, boxes, config.score_threshold, areas)
@@ -188,7 +188,8 @@ def format_measures(body: dict[str, Any]) -> str:
     for result, word in rows:
         name = "all" if result is body["overall"] else result["target"]
         lines.append(
-            f"{name:<14} {result['success']:>8.3f} {result['mean_steps']:>8.2f} {result['shortest_mean']:>9.2f}"
-            f" {result['ratio']:>7.3f} {result['spl']:>6.3f} {word['true_found']:>12.2f} {word['false_found']:>13.2f}"
+            f"{name:<14} {shown(result['success']):>8} {shown(result['mean_steps'], '.2f'):>8}"
+            f" {shown(result['shortest_mean'], '.2f'):>9} {shown(result['ratio']):>7} {shown(result['spl']):>6}"
+            f" {shown(word['true_found'], '.2f'):>12} {shown(word['false_found'], '.2f'):>13}"
         )
     return "\n".join(lines)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from active_perceiver.agent_config import AgentConfig
+from active_perceiver.experiments.result import shown
 from active_perceiver.files import replacing
 
 
@@ -25,16 +26,15 @@ def card_text(config: AgentConfig, body: dict[str, Any]) -> str:
     """The card as Markdown."""
     scenes = ", ".join(config.branches)
     words = body["own_word"]["pictures_seen"]
-    rows = "\n".join(
-        f"| {result['scene']} | {result['target']} | {result['success']:.3f} | {result['mean_steps']:.2f} "
-        f"| {result['ratio']:.3f} | {word['true_found']:.2f} | {word['false_found']:.2f} |"
+    rows = [
+        [result["scene"], result["target"], shown(result["success"]), shown(result["mean_steps"], ".2f"),
+         shown(result["ratio"]), shown(word["true_found"], ".2f"), shown(word["false_found"], ".2f")]
         for result, word in zip(body["per_target"], words["per_target"], strict=True)
-    )
-    recogniser = "\n".join(
-        f"| {pictures} | {metrics['auroc']:.3f} | {metrics['ap50']:.3f} | {metrics['mean_iou']:.3f} |"
+    ]  # fmt: skip
+    recogniser = [
+        [pictures, *(shown(metrics[name]) for name in ("auroc", "ap50", "mean_iou"))]
         for pictures, metrics in body["recogniser"]["metrics"].items()
-        if metrics["auroc"] is not None
-    )
+    ]
     return f"""---
 library_name: active-perceiver
 pipeline_tag: robotics
@@ -65,13 +65,17 @@ if its box is on the object (IoU at least 0.5), in {words["per_target"][0]["sear
 
 | scene | target | success | steps | ratio | found, true | found, false |
 |---|---|---|---|---|---|---|
-{rows}
+{_lines(rows)}
 
 ## Recogniser, in places it was not trained in
 
 | | AUROC | AP50 | mean IoU |
 |---|---|---|---|
-{recogniser}
+{_lines(recogniser)}
 
 `result.json` has all figures, the settings and the machine.
 """
+
+
+def _lines(rows: list[list[str]]) -> str:
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)

@@ -84,3 +84,8 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Path):
         return str(value)
     return value
+
+
+def shown(value: float | None, form: str = ".3f") -> str:
+    """A figure for people: formatted, or a dash where there is none (None or NaN)."""
+    return "-" if value is None or math.isnan(value) else format(value, form)

@@ -24,6 +24,7 @@ class Sightings:
         targets: (T,) indices of the scene's targets that were looked for.
         view_features: (S, D) float32.
         target_features: (T, K, D) float32.
+        target_codes: (T, K, C) float32, the recogniser's codes of the pictures.
         scores: (S, T, K) presence probabilities, asked for with each of K pictures.
         boxes: (S, T, K, 4) where the target would be.
     """
@@ -32,6 +33,7 @@ class Sightings:
     targets: NDArray[np.int64]
     view_features: NDArray[np.float32]
     target_features: NDArray[np.float32]
+    target_codes: NDArray[np.float32]
     scores: NDArray[np.float32]
     boxes: NDArray[np.float32]
 
@@ -69,7 +71,9 @@ def see_everywhere(
     targets = np.array([scene.target_index(name) for name in names or scene.target_names])
     with progress_bar(f"looking in {scene.name}") as report:
         scores, boxes = detect_table(recogniser, features, targets, report)
-    return Sightings(scene, targets, features.view_features, features.target_features[targets], scores, boxes)
+    codes = np.stack([recogniser.encode_target(features.target_maps[target]) for target in targets])
+    pictures = features.target_features[targets]
+    return Sightings(scene, targets, features.view_features, pictures, codes, scores, boxes)
 
 
 def picture_split(pictures: int, held_out: int) -> tuple[list[int], list[int]]:

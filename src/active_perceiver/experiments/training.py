@@ -300,10 +300,10 @@ def _least_similarity(sightings: Sequence[Sightings], pictures: Sequence[int]) -
     """
     least = 1.0
     for seen in sightings:
-        for features in unit_vectors(seen.target_features[:, list(pictures)]):
-            likeness = features @ features.T
+        for codes in unit_vectors(seen.target_codes[:, list(pictures)]):
+            likeness = codes @ codes.T
             np.fill_diagonal(likeness, -1.0)
-            least = min(least, float(likeness.max(axis=1).min())) if len(features) > 1 else least
+            least = min(least, float(likeness.max(axis=1).min())) if len(codes) > 1 else least
     return 0.97 * least
 
 

@@ -20,6 +20,7 @@ h3 { font-size: 18px; margin: 0 0 8px; } p { max-width: 78ch; } .muted { color: 
 section.card { background: white; border: 1px solid var(--line); border-radius: 12px; padding: 20px; margin: 18px 0; }
 .row { display: flex; flex-wrap: wrap; gap: 16px; align-items: flex-start; }
 .row > figure { flex: 1 1 0; min-width: 150px; margin: 0; }
+.row > figure:has(video) { flex-grow: 1.75; min-width: 260px; }
 figure img, figure video { width: 100%; border-radius: 8px; display: block; border: 1px solid var(--line); }
 figcaption { font-size: 13px; color: var(--muted); margin-top: 4px; }
 .strip { display: flex; flex-wrap: wrap; gap: 6px; margin-top: 14px; }

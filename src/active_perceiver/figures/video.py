@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from active_perceiver.figures.annotate import draw_detection
-from active_perceiver.figures.floor import draw_floor, draw_path, draw_poses
+from active_perceiver.figures.floor import draw_floor, draw_path
 from active_perceiver.figures.style import GOAL, INK, MUTED, font
 from active_perceiver.files import replacing
 from active_perceiver.robots.searching import SearchRecord
@@ -60,7 +60,6 @@ def _plan(scene: Scene, path: list[tuple[float, float, float, float]]) -> NDArra
     canvas = FigureCanvasAgg(figure)
     axes = figure.add_axes((0.02, 0.02, 0.96, 0.96))
     draw_floor(axes, scene)
-    draw_poses(axes, np.array(path[-1:]), INK)
     draw_path(axes, path)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3]

@@ -80,9 +80,12 @@ def lattice_transitions(poses: NDArray[np.floating], actions: Sequence[Action], 
     """
     headings = np.unique(poses[:, 2] % 360)
     tilts = np.unique(poses[:, 3])
+    # Counted from the lattice's own corner, so that rounding never falls between two numbers, and in sixteenths of a
+    # step, so that two lattices shifted against each other stay apart.
+    corner = poses[:, :2].min(axis=0)
     key = np.column_stack(
         [
-            np.round(poses[:, :2] / step * 16),  # sixteenths of a step: lattices need not start at 0
+            np.round((poses[:, :2] - corner) / step * 16),
             np.searchsorted(headings, poses[:, 2] % 360),
             np.searchsorted(tilts, poses[:, 3]),
         ]
