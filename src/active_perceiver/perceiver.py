@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.agent_config import AgentConfig, AgentError, KnownTarget, picture_folder
+from active_perceiver.agent_config import AgentConfig, AgentError
 from active_perceiver.files import OutputExistsError
+from active_perceiver.known_targets import FoundCriterion, KnownTargets
 from active_perceiver.policies.policy import Policy
+from active_perceiver.policies.restless import ALIKE, restless, unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import Action, read_image
 from active_perceiver.search.location import location_mask
@@ -25,13 +27,14 @@ class Step:
     Attributes:
         action: what to do next; meaningless once found.
         detection: where it sees the target, or None if it does not.
-        probabilities: (A,) float32, the policy's distribution over `ActivePerceiver.actions`.
+        probabilities: (A,) float64, from which the action was drawn, in the order of `ActivePerceiver.actions`: the
+            policy's, flattened where the search has been before (see `restless`).
         found: its own word that it is in front of the target.
     """
 
     action: Action
     detection: Detection | None
-    probabilities: NDArray[np.float32]
+    probabilities: NDArray[np.float64]
     found: bool
 
 
@@ -41,7 +44,11 @@ class ActivePerceiver:
     Attributes:
         folder: where the agent is kept.
         config: how it is put together.
+        known: the targets it was trained for.
+        criterion: when it says found in the current search.
     """
+
+    criterion: FoundCriterion
 
     def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone) -> None:
         """Load the networks of an agent folder; `from_pretrained` is the usual way in."""
@@ -121,9 +128,9 @@ class ActivePerceiver:
         self._branch = branch
         self._target = pooled(maps)
         self._code = self.recogniser.encode_target(maps)
-        match = self.known.match(self._code[0], branch)
-        self.found_area = match.found_area if match else self.config.found_area
+        self.criterion = self.known.criterion(self._code[0], branch)
         self._random = np.random.default_rng(seed)
+        self._looks: list[NDArray[np.float32]] = []
 
     def act(self, image: NDArray[np.uint8]) -> Step:
         """Look at one image and decide.
@@ -139,66 +146,24 @@ class ActivePerceiver:
         scores, boxes = self.recogniser.detect(maps, self._code)
         detection = Detection(float(scores[0]), boxes[0]) if scores[0] >= self.config.score_threshold else None
         mask = location_mask(np.full(4, np.nan) if detection is None else detection.box)
-        probabilities = self.policy.probabilities(pooled(maps), self._target, mask[None], self._branch)[0]
-        exact = probabilities.astype(np.float64)  # in float32 they sum to 1 only nearly
-        draw = self._random.choice(len(exact), p=exact / exact.sum())
+        view = pooled(maps)
+        probabilities = self.policy.probabilities(view, self._target, mask[None], self._branch)[0]
+        probabilities = restless(probabilities, self._earlier_looks(view[0]))
+        draw = self._random.choice(len(probabilities), p=probabilities)
         return Step(
             action=self.actions[int(draw)],
             detection=detection,
             probabilities=probabilities,
-            found=detection is not None and detection.area >= self.found_area,
+            found=detection is not None and bool(self.criterion.met(detection.score, detection.area)),
         )
+
+    def _earlier_looks(self, view: NDArray[np.float32]) -> int:
+        """How often this search has looked at the same view before; remembers this look."""
+        look = unit_vectors(view)
+        count = sum(float(earlier @ look) > ALIKE for earlier in self._looks)
+        self._looks.append(look)
+        return count
 
     def _check_reset(self) -> None:
         if not self._branch:
             raise AgentError("call reset(picture) first: the agent does not know what to search for")
-
-
-class KnownTargets:
-    """The targets an agent was trained for, told apart by their pictures: how close it has to get to each.
-
-    Pictures are compared by the recogniser's codes of them, which were learned to tell objects apart.
-    """
-
-    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, recogniser: Recogniser) -> None:
-        self._folder = folder
-        self._config = config
-        self._backbone = backbone
-        self._recogniser = recogniser
-        self._codes: dict[KnownTarget, NDArray[np.float32]] = {}
-
-    def codes(self, target: KnownTarget) -> NDArray[np.float32]:
-        """(K, D) float32 unit vectors, one a picture; computed when first asked for.
-
-        Raises:
-            AgentError: if the agent's folder holds no picture of the target.
-        """
-        if target not in self._codes:
-            pictures = picture_folder(self._folder, target.scene, target.name)
-            files = sorted(pictures.glob("*"))
-            if not files:
-                raise AgentError(f"{pictures} holds no pictures; copy the whole agent")
-            maps = self._backbone.maps([read_image(file) for file in files])
-            self._codes[target] = unit_vectors(self._recogniser.encode_target(maps))
-        return self._codes[target]
-
-    def match(self, code: NDArray[np.float32], scene: str) -> KnownTarget | None:
-        """The target of a scene whose pictures are most like the one with this code; None if none is alike.
-
-        Args:
-            code: (D,) the recogniser's code of a picture.
-            scene: whose targets to compare with.
-        """
-        ours = unit_vectors(code)
-        similarity = {
-            target: float((self.codes(target) @ ours).max())
-            for target in self._config.targets
-            if target.scene == scene
-        }
-        best = max(similarity, key=lambda target: similarity[target], default=None)
-        return best if best is not None and similarity[best] >= self._config.known_similarity else None
-
-
-def unit_vectors(features: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Scale the last axis to length 1."""
-    return features / np.maximum(np.linalg.norm(features, axis=-1, keepdims=True), 1e-12)

@@ -18,7 +18,8 @@ def search(scene, tables, found, detected, searches=400, seed=0):
     goals = goal_states(scene.areas)[:, 0]
     return own_word.search_by_own_word(
         "toy", "ball0", tables, found, detected, scene.boxes[:, 0], scene.transitions,
-        steps_to_goal(scene.transitions, goals), searches, np.random.default_rng(seed),
+        steps_to_goal(scene.transitions, goals), np.eye(len(scene), dtype=bool), searches,
+        np.random.default_rng(seed),
     )  # fmt: skip
 
 
@@ -58,8 +59,11 @@ def test_mean_steps_agree_with_a_slow_loop(scene, tables):
     lengths = []
     for _ in range(600):
         state, picture, steps = int(rng.choice(starts)), int(rng.integers(2)), 0
+        looks = dict.fromkeys(range(len(scene)), 0)
         while not found[state, picture] and steps < own_word.LIMIT:
-            state = scene.transitions[state, rng.choice(8, p=tables[state, picture])]
+            chances = tables[state, picture] ** (1 / (1 + looks[state]))
+            looks[state] += 1
+            state = int(scene.transitions[state, rng.choice(8, p=chances / chances.sum())])
             steps += 1
         if found[state, picture]:
             lengths.append(steps)
@@ -84,7 +88,17 @@ def test_found_area_is_the_smallest_own_box_at_a_goal_within_limits(own, expecte
     assert own_word.found_area(scores, boxes, areas, goals, 0.5) == pytest.approx(own_word.MARGIN * expected)
 
 
-def test_says_found_needs_both_score_and_area():
-    boxes = np.array([[0.5, 0.5, 0.5, 0.5]] * 3)
-    found = own_word.says_found(np.array([0.9, 0.4, 0.9]), boxes, 0.5, np.array([0.2, 0.2, 0.3]))
-    assert found.tolist() == [True, False, False]
+def test_a_loop_is_left(scene, tables):
+    """A policy that only turns left and right for ever comes away from where it is, because it remembers."""
+    found, detected = perfect(scene)
+    stuck = np.full_like(tables, 1e-6)
+    stuck[..., 4] = 1.0
+    assert search(scene, stuck / stuck.sum(-1, keepdims=True), found, detected, searches=50).true_found > 0.5
+
+
+def test_alike_views_are_those_with_nearly_the_same_features():
+    features = np.random.default_rng(0).random((20, 64)).astype(np.float32)
+    features[7] = features[3] * 1.5
+    alike = own_word.alike_views(features)
+    assert alike[3, 7]
+    assert alike.sum() == 22

@@ -120,24 +120,25 @@ def _own_word(
     agent: ActivePerceiver, sightings: Sequence[Sightings], pictures: Sequence[int], settings: EvaluateSettings
 ) -> dict[str, Any]:
     rng = np.random.default_rng(settings.seed)
-    config = agent.config
     results = []
     for seen in sightings:
-        task = SearchTask.from_scene(seen.scene, seen.names, int(config.training["rank"]))
-        observations = seen.observations(config.score_threshold, pictures)
+        task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
+        observations = seen.observations(agent.config.score_threshold, pictures)
         tables = np.stack(
             [policy_table(agent.policy, observations, seen.scene.name, k) for k in range(len(pictures))], axis=2
         )
+        alike = own_word.alike_views(seen.view_features)
         for index, name in enumerate(seen.names):
-            # As `ActivePerceiver.reset` does: the picture alone tells which threshold applies.
-            matches = [agent.known.match(code, seen.scene.name) for code in seen.target_codes[index][list(pictures)]]
-            areas = np.array([match.found_area if match else config.found_area for match in matches])
+            # As `ActivePerceiver.reset` does: the picture alone tells what is enough.
+            codes = seen.target_codes[index][list(pictures)]
             scores, boxes = (array[:, index][:, list(pictures)] for array in (seen.scores, seen.boxes))
-            found = own_word.says_found(scores, boxes, config.score_threshold, areas)
+            areas = boxes[..., 2] * boxes[..., 3]
+            criteria = [agent.known.criterion(code, seen.scene.name) for code in codes]
+            found = np.stack([c.met(scores[:, k], areas[:, k]) for k, c in enumerate(criteria)], axis=1)
             results.append(
                 own_word.search_by_own_word(
                     seen.scene.name, name, tables[:, index], found, boxes, seen.scene.boxes[:, seen.targets[index]],
-                    task.transitions, task.steps[:, index], settings.searches, rng,
+                    task.transitions, task.steps[:, index], alike, settings.searches, rng,
                 )
             )  # fmt: skip
     return {"overall": own_word.overall(results), "per_target": [asdict(result) for result in results]}

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.policies.restless import ALIKE, restless, unit_vectors
 from active_perceiver.recognition.metrics import box_iou
 
 LIMIT = 500
@@ -51,23 +52,6 @@ class OwnWord:
     shortest_mean: float
 
 
-def says_found(
-    scores: NDArray[np.floating],
-    boxes: NDArray[np.floating],
-    threshold: float,
-    found_area: NDArray[np.floating] | float,
-) -> NDArray[np.bool_]:
-    """Where an agent would say found: the target is seen, and its box covers at least `found_area` of the image.
-
-    Args:
-        scores: (...) presence probabilities.
-        boxes: (..., 4) detections.
-        threshold: least score that counts as seen.
-        found_area: fraction of the image; one number, or one for each picture.
-    """
-    return (scores >= threshold) & (boxes[..., 2] * boxes[..., 3] >= found_area)
-
-
 def found_area(
     scores: NDArray[np.floating],
     boxes: NDArray[np.floating],
@@ -95,6 +79,12 @@ def found_area(
     return MARGIN * float(smallest)
 
 
+def alike_views(view_features: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """(S, S) which views an agent takes for the same one, from their (S, D) pooled features."""
+    units = unit_vectors(view_features.astype(np.float32))
+    return units @ units.T > ALIKE
+
+
 def search_by_own_word(
     scene: str,
     target: str,
@@ -104,6 +94,7 @@ def search_by_own_word(
     true_boxes: NDArray[np.floating],
     transitions: NDArray[np.integer],
     steps: NDArray[np.integer],
+    alike: NDArray[np.bool_],
     searches: int,
     rng: np.random.Generator,
 ) -> OwnWord:
@@ -120,18 +111,21 @@ def search_by_own_word(
         true_boxes: (S, 4) ground truth, NaN where not visible.
         transitions: (S, A).
         steps: (S,) fewest actions to a goal; searches start where this is positive.
+        alike: (S, S) which views the agent takes for the same, see `alike_views`.
         searches: how many.
         rng: draws starts, pictures and actions.
     """
     states = rng.choice(np.flatnonzero(steps > 0), searches)
     pictures = rng.integers(tables.shape[1], size=searches)
     shortest = steps[states]
-    cumulative = np.cumsum(tables.astype(np.float64), axis=-1)
     taken = np.zeros(searches, np.int64)
+    looks = np.zeros((searches, len(transitions)), np.float32)  # how often each search looked at a view like each
     under_way = ~found[states, pictures]
     while under_way.any() and taken.max() < LIMIT:
         here, asked = states[under_way], pictures[under_way]
-        limits = cumulative[here, asked]
+        earlier = looks[under_way, here]
+        looks[under_way] += alike[here]
+        limits = np.cumsum(restless(tables[here, asked], earlier), axis=-1)
         draws = rng.random(len(here))[:, None] * limits[:, -1:]
         states[under_way] = transitions[here, (draws > limits).sum(axis=1)]
         taken[under_way] += 1

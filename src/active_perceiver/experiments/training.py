@@ -22,10 +22,11 @@ from active_perceiver.experiments.result import write_result
 from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
 from active_perceiver.experiments.sightings import Sightings, picture_split, see_everywhere
 from active_perceiver.files import OutputExistsError, replacing
-from active_perceiver.perceiver import ActivePerceiver, unit_vectors
+from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies import LEARNERS, learner_named
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.problem import Problem
+from active_perceiver.policies.restless import unit_vectors
 from active_perceiver.progress import console, progress_bar
 from active_perceiver.recognition.recogniser import Recogniser
 from active_perceiver.recognition.training import CONFIGS, TrainedRecogniser, train_recogniser
