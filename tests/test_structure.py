@@ -16,7 +16,7 @@ ALLOWED = {
     "vision": {"scenes"},
     "search": {"scenes", "vision"},
     "recognition": {"scenes", "vision"},
-    "policies": {"scenes", "search"},
+    "policies": {"scenes", "search", "vision"},
     "agent_config": {"scenes"},
     "known_targets": {"agent_config", "policies", "recognition", "scenes", "vision"},
     "perceiver": {"agent_config", "known_targets", "policies", "recognition", "scenes", "search", "vision"},

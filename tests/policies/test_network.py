@@ -138,7 +138,7 @@ def test_refuses_files_that_are_no_policy(network, tmp_path):
     path = tmp_path / "file"
     with pytest.raises(SearchError, match="no policy network"):
         load_network(path)
-    with pytest.raises(SearchError, match="train one with"):
+    with pytest.raises(SearchError, match="cannot be read"):
         Policy(path)
     path.write_bytes(b"nonsense")
     with pytest.raises(SearchError, match="not a readable safetensors"):
@@ -147,7 +147,7 @@ def test_refuses_files_that_are_no_policy(network, tmp_path):
         Policy(path)
     foreign = policy_model(network)
     del foreign.metadata_props[:]
-    with pytest.raises(SearchError, match="not one of a policy"):
+    with pytest.raises(SearchError, match="not a policy of this software"):
         Policy(foreign.SerializeToString())
 
 

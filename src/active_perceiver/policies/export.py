@@ -16,7 +16,7 @@ from safetensors.torch import save_file
 from torch import nn
 
 from active_perceiver.policies.network import PolicyNetwork
-from active_perceiver.policies.policy import FORMAT, Policy
+from active_perceiver.policies.policy import KIND, Policy
 from active_perceiver.scenes.storage import replacing
 from active_perceiver.search.location import GRID
 from active_perceiver.search.task import SearchError
@@ -73,7 +73,7 @@ def policy_model(network: PolicyNetwork) -> onnx.ModelProto:
         ir_version=8,  # of opset 17; onnx would write its newest, which older ONNX Runtimes refuse
         producer_name="active-perceiver",
     )
-    helper.set_model_props(model, {"format": FORMAT, "branches": json.dumps(network.branches)})
+    helper.set_model_props(model, {"kind": KIND, "branches": json.dumps(network.branches)})
     onnx.checker.check_model(model)
     return model
 
@@ -84,7 +84,7 @@ def save_network(network: PolicyNetwork, path: Path | str, *, force: bool = Fals
     Raises:
         FileExistsError: if the file exists and `force` is false.
     """
-    metadata = {"format": FORMAT, "branches": json.dumps(network.branches)}
+    metadata = {"kind": KIND, "branches": json.dumps(network.branches)}
     with replacing(Path(path), force) as temporary:
         save_file(network.state_dict(), temporary, metadata)
 
@@ -104,7 +104,7 @@ def load_network(path: Path | str) -> PolicyNetwork:
             weights = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (no mapping)
     except (SafetensorError, OSError) as error:
         raise SearchError(f"{path} is not a readable safetensors file: {error}") from None
-    if metadata.get("format") != FORMAT:
+    if metadata.get("kind") != KIND:
         raise SearchError(f"{path} holds weights, but not of a policy network")
     hidden, feature_dim = weights["view_layer.weight"].shape
     network = PolicyNetwork(feature_dim, json.loads(metadata["branches"]), hidden)

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from active_perceiver.search.location import GRID
 from active_perceiver.search.observations import Observations
 from active_perceiver.search.task import SearchError
+from active_perceiver.vision.sessions import ModelFileError, open_session
 
-FORMAT = "active-perceiver-policy"
+KIND = "active-perceiver-policy"
 
 
 class ActionPolicy(Protocol):
@@ -65,21 +66,11 @@ class Policy:
     """
 
     def __init__(self, model: Path | str | bytes, threads: int = 1) -> None:
-        label = "the policy" if isinstance(model, bytes) else str(model)
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = threads
-        options.inter_op_num_threads = 1
-        options.log_severity_level = 3
         try:
-            data = model if isinstance(model, bytes) else Path(model).read_bytes()
-            self._session = onnxruntime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
-        except FileNotFoundError:
-            raise SearchError(f"there is no policy {label}; train one with `active-perceiver train`") from None
-        except Exception as error:  # onnxruntime's own exception types share no public base class
-            raise SearchError(f"{label} is not a readable ONNX model: {str(error).splitlines()[0]}") from None
+            self._session = open_session(model if isinstance(model, bytes) else Path(model), threads, "policy")
+        except ModelFileError as error:
+            raise SearchError(str(error)) from None
         properties = self._session.get_modelmeta().custom_metadata_map
-        if properties.get("format") != FORMAT:
-            raise SearchError(f"{label} is an ONNX model, but not one of a policy; train one anew")
         self.branches: dict[str, tuple[str, ...]] = {
             name: tuple(actions) for name, actions in json.loads(properties["branches"]).items()
         }
