@@ -91,6 +91,8 @@ def test_evaluate_measures_and_writes(agent_folder, tmp_path, capsys):
     assert "ball1" in capsys.readouterr().out
     exact = json.loads(out.read_text())
     assert exact["protocol"]["kind"] == "exact"
+    assert 0.5 < exact["detection"]["pictures_seen"]["auroc"] <= 1
+    assert set(exact["detection"]["pictures_seen"]["per_target"]) == {f"toy_0/ball{k}" for k in range(3)}
     assert main(arguments) == 2
     assert main([*arguments, "--protocol", "paper", "--episodes", "40", "--force"]) == 0
     paper = json.loads(out.read_text())

@@ -25,6 +25,7 @@ from active_perceiver.policies.evaluation import (
 )
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.progress import progress_bar
+from active_perceiver.recognition.metrics import RecognitionMetrics
 from active_perceiver.scenes import open_scene
 from active_perceiver.search.task import SearchTask
 from active_perceiver.vision.cache import scene_features
@@ -44,7 +45,7 @@ def measure_agent(
         settings: how.
 
     Returns:
-        The body of a result file: protocol, overall, per_target, unseen_pictures, own_word.
+        The body of a result file: protocol, overall, per_target, unseen_pictures, detection, own_word.
     """
     held_out = int(agent.config.training["held_out_pictures"])
     seen, unseen = picture_split(sightings[0].scores.shape[2], held_out)
@@ -53,10 +54,11 @@ def measure_agent(
     if unseen:
         apart = _evaluate(agent, sightings, unseen, settings).as_dict()
         body["unseen_pictures"] = {"overall": apart["overall"], "per_target": apart["per_target"]}
+    groups = {"pictures_seen": seen, **({"pictures_unseen": unseen} if unseen else {})}
+    body["detection"] = {label: _detection(agent, sightings, some).as_dict() for label, some in groups.items()}
     body["own_word"] = {
         "protocol": {"searches": settings.searches, "limit": own_word.LIMIT, "true_iou": own_word.TRUE_IOU},
-        "pictures_seen": _own_word(agent, sightings, seen, settings),
-        **({"pictures_unseen": _own_word(agent, sightings, unseen, settings)} if unseen else {}),
+        **{label: _own_word(agent, sightings, some, settings) for label, some in groups.items()},
     }
     return body
 
@@ -113,6 +115,26 @@ def _mean_result(results: Sequence[SearchResult]) -> SearchResult:
         shortest_mean=shortest,
         ratio=mean / shortest,
         spl=float(np.mean([result.spl for result in results])),
+    )
+
+
+def _detection(agent: ActivePerceiver, sightings: Sequence[Sightings], pictures: Sequence[int]) -> RecognitionMetrics:
+    """How well the agent's targets are recognised in the views of places that the recogniser was not trained in."""
+    scores, boxes, truth, names = [], [], [], []
+    for seen in sightings:
+        views = np.array(agent.config.training["held_out_views"][seen.scene.name], np.int64)
+        for index, name in enumerate(seen.names):
+            for picture in pictures:
+                scores.append(seen.scores[views, index, picture])
+                boxes.append(seen.boxes[views, index, picture])
+                truth.append(seen.scene.boxes[views, seen.targets[index]])
+                names.append(np.full(len(views), f"{seen.scene.name}/{name}"))
+    return RecognitionMetrics.of(
+        np.concatenate(scores),
+        np.concatenate(boxes),
+        np.concatenate(truth),
+        agent.config.score_threshold,
+        np.concatenate(names),
     )
 
 
@@ -193,4 +215,8 @@ def format_measures(body: dict[str, Any]) -> str:
             f" {shown(result['shortest_mean'], '.2f'):>9} {shown(result['ratio']):>7} {shown(result['spl']):>6}"
             f" {shown(word['true_found'], '.2f'):>12} {shown(word['false_found'], '.2f'):>13}"
         )
+    detection = body["detection"]["pictures_seen"]
+    lines.append(
+        f"detection in places not trained in: AUROC {shown(detection['auroc'])}, AP50 {shown(detection['ap50'])}"
+    )
     return "\n".join(lines)

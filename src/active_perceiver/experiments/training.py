@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from active_perceiver import __version__
-from active_perceiver.agent_config import AgentConfig, KnownTarget, picture_folder
 from active_perceiver.errors import UserError
-from active_perceiver.experiments import own_word
+from active_perceiver.experiments.assembling import agent_config, held_out_pictures, save_pictures
 from active_perceiver.experiments.evaluating import measure_agent
 from active_perceiver.experiments.model_card import write_card
 from active_perceiver.experiments.result import write_result
@@ -26,12 +25,10 @@ from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies import LEARNERS, learner_named
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.problem import Problem
-from active_perceiver.policies.restless import unit_vectors
 from active_perceiver.progress import console, progress_bar
 from active_perceiver.recognition.recogniser import Recogniser
 from active_perceiver.recognition.training import CONFIGS, TrainedRecogniser, train_recogniser
-from active_perceiver.scenes import Scene, bundled_names, open_scene
-from active_perceiver.scenes.images import image_suffix
+from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.search.task import SearchTask
 from active_perceiver.vision.backbone import Backbone, load_backbone
 from active_perceiver.vision.cache import SceneFeatures, scene_features
@@ -97,8 +94,9 @@ def train_agent(settings: TrainSettings, out: Path, *, force: bool = False, resu
     recogniser = Recogniser(work / "recogniser.onnx")
     sightings = _see_all(settings, material, recogniser, seconds)
     history = _policy_stage(settings, sightings, recogniser, work, seconds)
-    _config(settings, material, sightings, recogniser).save(work)
-    _save_pictures(sightings, work, _held_out_pictures(settings))
+    held_out_views = recogniser_metrics.pop("held_out_views")
+    agent_config(settings, material.backbone, sightings, recogniser, held_out_views).save(work)
+    save_pictures(sightings, work, held_out_pictures(settings))
     agent = ActivePerceiver.from_pretrained(work)
     body = measure_agent(agent, sightings, EvaluateSettings(seed=settings.seed))
     body |= {
@@ -177,8 +175,12 @@ def _recogniser_stage(
     if not done.is_file():
         trained = _train_recogniser(settings, material)
         trained.save(work)
+        held_out = {
+            scene.name: np.flatnonzero(views).tolist()
+            for scene, views in zip(material.scenes, trained.validation_views, strict=True)
+        }
         with replacing(done) as temporary:
-            temporary.write_text(json.dumps(_recogniser_figures(trained)))
+            temporary.write_text(json.dumps({**_recogniser_figures(trained), "held_out_views": held_out}))
     figures = json.loads(done.read_text())
     seconds["recogniser"] = figures["seconds"]
     return figures
@@ -201,10 +203,6 @@ def _see_all(
     return sightings
 
 
-def _held_out_pictures(settings: TrainSettings) -> int:
-    return CONFIGS[settings.recogniser].held_out_pictures
-
-
 def _policy_stage(
     settings: TrainSettings,
     sightings: Sequence[Sightings],
@@ -216,7 +214,7 @@ def _policy_stage(
     from active_perceiver.policies.export import export_policy, save_network
 
     config = _learner_config(settings)
-    pictures, _ = picture_split(sightings[0].scores.shape[2], _held_out_pictures(settings))
+    pictures, _ = picture_split(sightings[0].scores.shape[2], held_out_pictures(settings))
     problems = []
     for seen in sightings:
         task = SearchTask.from_scene(seen.scene, seen.names, settings.rank)
@@ -256,65 +254,3 @@ def _learner_config(settings: TrainSettings) -> LearnerConfig:
 def _policy_progress(record: dict[str, float], config: LearnerConfig) -> tuple[int, int, str]:
     note = f"success {record['success']:.3f}, {record['ratio']:.3f} x the shortest paths"
     return int(record["iteration"]), config.iterations, note
-
-
-def _config(
-    settings: TrainSettings, material: Material, sightings: Sequence[Sightings], recogniser: Recogniser
-) -> AgentConfig:
-    pictures, _ = picture_split(sightings[0].scores.shape[2], _held_out_pictures(settings))
-    known = []
-    for seen in sightings:
-        task = SearchTask.from_scene(seen.scene, seen.names, settings.rank)
-        for index, name in enumerate(seen.names):
-            scores, boxes = (array[:, index][:, pictures] for array in (seen.scores, seen.boxes))
-            goals, areas = task.goals[:, index], task.areas[:, index]
-            threshold = own_word.found_area(scores, boxes, areas, goals, recogniser.threshold)
-            known.append(KnownTarget(seen.scene.name, name, threshold))
-    return AgentConfig(
-        backbone=material.backbone.name,
-        image_size=material.backbone.image_size,
-        recogniser=settings.recogniser,
-        score_threshold=recogniser.threshold,
-        branches={seen.scene.name: [action.value for action in seen.scene.actions] for seen in sightings},
-        targets=known,
-        found_area=float(np.median([target.found_area for target in known])),
-        known_similarity=_least_similarity(sightings, pictures),
-        training={
-            "scenes": [_source(source) for source in settings.scenes],
-            "rank": settings.rank,
-            "held_out_pictures": _held_out_pictures(settings),
-            "learner": settings.learner,
-            "seed": settings.seed,
-        },
-    )
-
-
-def _source(source: str) -> str:
-    """A bundled scene by name, another by its whole path, so that the agent can be measured from anywhere."""
-    return source if source in bundled_names() else str(Path(source).resolve())
-
-
-def _least_similarity(sightings: Sequence[Sightings], pictures: Sequence[int]) -> float:
-    """How alike a picture must be to those of a known target to count as one of it.
-
-    A little less than the most unlike picture of any target is to its nearest other picture.
-    """
-    least = 1.0
-    for seen in sightings:
-        for codes in unit_vectors(seen.target_codes[:, list(pictures)]):
-            likeness = codes @ codes.T
-            np.fill_diagonal(likeness, -1.0)
-            least = min(least, float(likeness.max(axis=1).min())) if len(codes) > 1 else least
-    return 0.97 * least
-
-
-def _save_pictures(sightings: Sequence[Sightings], work: Path, held_out: int) -> None:
-    """Keep the pictures that were trained on, by which the agent knows its targets again."""
-    for seen in sightings:
-        for index in seen.targets:
-            target = seen.scene.targets[index]
-            folder = picture_folder(work, seen.scene.name, target.name)
-            folder.mkdir(parents=True, exist_ok=True)
-            for number, data in enumerate(target.pictures[: max(1, len(target.pictures) - held_out)]):
-                with replacing(folder / f"{number:02}.{image_suffix(data)}") as temporary:
-                    temporary.write_bytes(data)

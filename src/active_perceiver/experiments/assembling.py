@@ -1,0 +1,102 @@
+"""Putting a trained agent together: its configuration, and the pictures by which it knows its targets again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from active_perceiver.agent_config import AgentConfig, KnownTarget, picture_folder
+from active_perceiver.experiments import own_word
+from active_perceiver.experiments.settings import TrainSettings
+from active_perceiver.experiments.sightings import Sightings, picture_split
+from active_perceiver.files import replacing
+from active_perceiver.policies.restless import unit_vectors
+from active_perceiver.recognition.recogniser import Recogniser
+from active_perceiver.recognition.training import CONFIGS
+from active_perceiver.scenes import bundled_names
+from active_perceiver.scenes.images import image_suffix
+from active_perceiver.search.task import SearchTask
+from active_perceiver.vision.backbone import Backbone
+
+
+def held_out_pictures(settings: TrainSettings) -> int:
+    """How many of each target's pictures, the last ones, training does not see."""
+    return CONFIGS[settings.recogniser].held_out_pictures
+
+
+def agent_config(
+    settings: TrainSettings,
+    backbone: Backbone,
+    sightings: Sequence[Sightings],
+    recogniser: Recogniser,
+    held_out_views: dict[str, list[int]],
+) -> AgentConfig:
+    """How a trained agent is put together, with what it has to see of each target to say found.
+
+    Args:
+        settings: what it was trained with.
+        backbone: of the features.
+        sightings: what its recogniser sees in each scene.
+        recogniser: the trained one.
+        held_out_views: by scene, the views of places it was not trained in.
+    """
+    pictures, _ = picture_split(sightings[0].scores.shape[2], held_out_pictures(settings))
+    known = []
+    for seen in sightings:
+        task = SearchTask.from_scene(seen.scene, seen.names, settings.rank)
+        for index, name in enumerate(seen.names):
+            scores, boxes = (array[:, index][:, pictures] for array in (seen.scores, seen.boxes))
+            goals, areas = task.goals[:, index], task.areas[:, index]
+            threshold = own_word.found_area(scores, boxes, areas, goals, recogniser.threshold)
+            known.append(KnownTarget(seen.scene.name, name, threshold))
+    return AgentConfig(
+        backbone=backbone.name,
+        image_size=backbone.image_size,
+        recogniser=settings.recogniser,
+        score_threshold=recogniser.threshold,
+        branches={seen.scene.name: [action.value for action in seen.scene.actions] for seen in sightings},
+        targets=known,
+        found_area=float(np.median([target.found_area for target in known])),
+        known_similarity=_least_similarity(sightings, pictures),
+        training={
+            "scenes": [_source(source) for source in settings.scenes],
+            "rank": settings.rank,
+            "held_out_pictures": held_out_pictures(settings),
+            "held_out_views": held_out_views,
+            "learner": settings.learner,
+            "seed": settings.seed,
+        },
+    )
+
+
+def _source(source: str) -> str:
+    """A bundled scene by name, another by its whole path, so that the agent can be measured from anywhere."""
+    return source if source in bundled_names() else str(Path(source).resolve())
+
+
+def _least_similarity(sightings: Sequence[Sightings], pictures: Sequence[int]) -> float:
+    """How alike a picture must be to those of a known target to count as one of it.
+
+    A little less than the most unlike picture of any target is to its nearest other picture.
+    """
+    least = 1.0
+    for seen in sightings:
+        for codes in unit_vectors(seen.target_codes[:, list(pictures)]):
+            likeness = codes @ codes.T
+            np.fill_diagonal(likeness, -1.0)
+            least = min(least, float(likeness.max(axis=1).min())) if len(codes) > 1 else least
+    return 0.97 * least
+
+
+def save_pictures(sightings: Sequence[Sightings], work: Path, held_out: int) -> None:
+    """Keep the pictures that were trained on, by which the agent knows its targets again."""
+    for seen in sightings:
+        for index in seen.targets:
+            target = seen.scene.targets[index]
+            folder = picture_folder(work, seen.scene.name, target.name)
+            folder.mkdir(parents=True, exist_ok=True)
+            for number, data in enumerate(target.pictures[: max(1, len(target.pictures) - held_out)]):
+                with replacing(folder / f"{number:02}.{image_suffix(data)}") as temporary:
+                    temporary.write_bytes(data)
