@@ -335,7 +335,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         console.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
         return 2
     except KeyboardInterrupt:
-        console.print("interrupted; nothing half-written is left behind")
+        console.print("interrupted; what was there before is as it was. `demo` and `train` go on with --resume")
         return 130
 
 

@@ -17,8 +17,10 @@ class Report(Protocol):
         """Report progress."""
 
 
-# Progress goes to standard error: standard output is for results.
+# Progress goes to standard error: standard output is for results. A log file has no width; lines get room there.
 console = Console(stderr=True)
+if not console.is_terminal:
+    console = Console(stderr=True, width=120)
 
 
 @contextmanager
@@ -34,11 +36,16 @@ def progress_bar(label: str) -> Iterator[Report]:
     )
     with Progress(*columns, console=console) as bar:
         task = bar.add_task(label, total=1, note="")
+        reported = False
 
         def report(done: int, total: int, note: str = "") -> None:
+            nonlocal reported
+            reported = True
             bar.update(task, completed=done, total=total, note=note)
 
         yield report
+        if not reported:
+            bar.update(task, completed=1, note="nothing left to do")
 
 
 def quiet(done: int, total: int, note: str = "") -> None:

@@ -24,7 +24,7 @@ from active_perceiver.policies.evaluation import (
     mean_evaluation,
 )
 from active_perceiver.policies.policy import policy_table
-from active_perceiver.progress import progress_bar
+from active_perceiver.progress import console, progress_bar
 from active_perceiver.recognition.metrics import RecognitionMetrics
 from active_perceiver.scenes import open_scene
 from active_perceiver.search.task import SearchTask
@@ -194,7 +194,9 @@ def evaluate_command(folder: Path, settings: EvaluateSettings, out: Path | None,
     if out is not None and out.exists() and not force:
         raise OutputExistsError(f"{out} exists; give another --out, or --force to replace it")
     agent = ActivePerceiver.from_pretrained(folder)
-    body = measure_agent(agent, agent_sightings(agent), settings)
+    sightings = agent_sightings(agent)
+    with console.status("measuring"):
+        body = measure_agent(agent, sightings, settings)
     print(format_measures(body))
     if out is not None:
         write_result(out, "evaluate", body)

@@ -57,7 +57,8 @@ def prepare(settings: TrainSettings) -> Material:
     if unknown:
         known = ", ".join(sorted({name for scene in scenes for name in scene.target_names}))
         raise UserError(f"no scene has the target {', '.join(unknown)}; there are {known}")
-    backbone = load_backbone(settings.backbone, image_size=settings.image_size)
+    with console.status(f"backbone {settings.backbone}; the first time it is converted, which takes half a minute"):
+        backbone = load_backbone(settings.backbone, image_size=settings.image_size)
     features = []
     for scene in scenes:
         with progress_bar(f"features of {scene.name}") as report:
@@ -98,7 +99,8 @@ def train_agent(settings: TrainSettings, out: Path, *, force: bool = False, resu
     agent_config(settings, material.backbone, sightings, recogniser, held_out_views).save(work)
     save_pictures(sightings, work, held_out_pictures(settings))
     agent = ActivePerceiver.from_pretrained(work)
-    body = measure_agent(agent, sightings, EvaluateSettings(seed=settings.seed))
+    with console.status("measuring"):
+        body = measure_agent(agent, sightings, EvaluateSettings(seed=settings.seed))
     body |= {
         "settings": asdict(settings),
         "recogniser": recogniser_metrics,
