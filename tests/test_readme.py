@@ -1,0 +1,56 @@
+"""The figures in the README are those of the committed result."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+RESULT = json.loads((ROOT / "benchmarks" / "demo.json").read_text())
+
+
+def row_of(name: str) -> list[str]:
+    rows = [line for line in README.splitlines() if line.startswith(f"| {name} |")]
+    assert len(rows) == 1, f"the README has {len(rows)} rows for {name}"
+    return [cell.strip() for cell in rows[0].strip("|").split("|")][1:]
+
+
+@pytest.mark.parametrize("index", range(4))
+def test_the_figures_of_each_target(index):
+    result = RESULT["per_target"][index]
+    seen, unseen = (RESULT["own_word"][key]["per_target"][index] for key in ("pictures_seen", "pictures_unseen"))
+    assert row_of(result["target"]) == [
+        f"{100 * result['success']:.0f} %",
+        f"{result['mean_steps']:.2f}",
+        f"{result['shortest_mean']:.2f}",
+        f"{result['ratio']:.3f}",
+        f"{100 * seen['true_found']:.0f} %",
+        f"{100 * unseen['true_found']:.0f} %, {unseen['mean_steps']:.1f} actions",
+    ]
+
+
+@pytest.mark.parametrize("kind", ["matching", "pooled"])
+@pytest.mark.parametrize("pictures", ["seen pictures", "unseen pictures"])
+def test_the_figures_of_the_recognisers(kind, pictures):
+    metrics = RESULT["recogniser"][kind]["metrics"][pictures]
+    assert row_of(f"{kind}, {pictures}") == [f"{metrics[name]:.3f}" for name in ("auroc", "ap50", "mean_iou")]
+
+
+def test_the_times():
+    for name in ("policy", "recogniser", "demo"):
+        assert f"{RESULT['seconds'][name]:.0f} s" in README
+
+
+def test_what_the_project_promises_of_its_demo():
+    """The numbers the first release set out to reach (policy, recogniser and own word), as committed."""
+    assert RESULT["overall"]["success"] == 1.0
+    assert RESULT["overall"]["ratio"] <= 1.10
+    assert RESULT["seconds"]["policy"] <= 60
+    assert RESULT["seconds"]["recogniser"] <= 240
+    assert RESULT["seconds"]["demo"] <= 360
+    matching = RESULT["recogniser"]["matching"]["metrics"]["seen pictures"]
+    assert matching["auroc"] >= 0.98
+    assert matching["ap50"] >= 0.8
+    for result in RESULT["own_word"]["pictures_seen"]["per_target"]:
+        assert result["true_found"] >= 0.9
