@@ -37,6 +37,11 @@ def test_the_figures_of_the_recognisers(kind, pictures):
     assert row_of(f"{kind}, {pictures}") == [f"{metrics[name]:.3f}" for name in ("auroc", "ap50", "mean_iou")]
 
 
+def test_none_of_the_founds_was_false():
+    for pictures in ("pictures_seen", "pictures_unseen"):
+        assert RESULT["own_word"][pictures]["overall"]["false_found"] == 0
+
+
 def test_the_times():
     for name in ("policy", "recogniser", "demo"):
         assert f"{RESULT['seconds'][name]:.0f} s" in README
