@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 import subprocess
 import sys
 
@@ -9,6 +10,7 @@ import pytest
 from PIL import Image
 
 from active_perceiver.cli import main
+from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
 from active_perceiver.scenes import save_scene
 
 pytestmark = pytest.mark.xdist_group("agent")
@@ -28,6 +30,16 @@ def test_help_shows_what_a_command_does_with_examples(command, capsys):
     assert "usage: active-perceiver" in text
     if command and command != ["scenes"]:
         assert f"active-perceiver {' '.join(command)}" in text.split("Examples:")[1]
+
+
+@pytest.mark.parametrize(("command", "settings"), [("train", TrainSettings), ("evaluate", EvaluateSettings)])
+def test_every_setting_is_an_option_with_a_help_text(command, settings, capsys):
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    table = capsys.readouterr().out.split("settings options")[1].replace("│", " ")
+    for field in dataclasses.fields(settings):
+        entry = table.split(f"--{field.name.replace('_', '-')} ")[1].split("(default")[0]
+        assert len(re.findall(r"[a-z]{2,}", entry)) > 4, f"{field.name} has no help text"
 
 
 def test_an_unknown_command_is_refused(capsys):

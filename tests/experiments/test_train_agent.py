@@ -7,7 +7,6 @@ import pytest
 
 from active_perceiver.errors import UserError
 from active_perceiver.experiments import training
-from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
 from active_perceiver.files import OutputExistsError
 
 pytestmark = pytest.mark.xdist_group("agent")
@@ -89,9 +88,3 @@ def test_ppo_trains_for_the_paper_s_reward(settings, tmp_path):
     body = training.train_agent(record, tmp_path / "agent")
     assert 0 <= body["overall"]["success"] <= 1
     assert body["settings"]["reward"] == "record"
-
-
-def test_settings_have_a_help_text_for_each_field():
-    for kind in (TrainSettings, EvaluateSettings):
-        assert dataclasses.is_dataclass(kind)
-        assert kind()
