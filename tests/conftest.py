@@ -2,11 +2,16 @@
 
 from pathlib import Path
 
+import hypothesis
 import pytest
 
 from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.scenes import Scene, save_scene
 from toy import toy_scene
+
+# Tests do not measure time: on a busy machine a deadline is only a way to fail.
+hypothesis.settings.register_profile("untimed", deadline=None)
+hypothesis.settings.load_profile("untimed")
 
 
 @pytest.fixture(scope="session")
