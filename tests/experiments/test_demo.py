@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from active_perceiver.errors import UserError
 from active_perceiver.experiments.demo import SETTINGS, run_demo
 from active_perceiver.files import OutputExistsError
 from active_perceiver.scenes import open_scene
@@ -55,6 +56,12 @@ def test_the_report_is_one_file_with_everything_in_it(demo):
 def test_a_demo_that_is_there_is_not_overwritten(demo, settings):
     with pytest.raises(OutputExistsError, match="--force"):
         run_demo(demo, settings)
+
+
+def test_a_demo_does_not_go_on_with_other_settings(demo, settings):
+    other = dataclasses.replace(settings, targets=("ball0", "ball2"), seed=5)
+    with pytest.raises(UserError, match="other settings"):
+        run_demo(demo, other, resume=True)
 
 
 def test_the_real_demo_searches_the_four_targets_of_record():

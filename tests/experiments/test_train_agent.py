@@ -73,6 +73,16 @@ def test_an_interrupted_training_goes_on_and_gives_the_same_agent(settings, agen
 def test_wrong_settings_are_refused_before_anything_long(settings, tmp_path, change, message):
     with pytest.raises(UserError, match=message):
         training.train_agent(dataclasses.replace(settings, **change), tmp_path / "agent")
+    assert list(tmp_path.iterdir()) == []  # so that the corrected command is not taken for a second one
+
+
+@pytest.mark.parametrize("name", ["agent", "agent.part"])
+def test_force_does_not_replace_what_is_no_agent(settings, tmp_path, name):
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "diary.txt").write_text("dear diary")
+    with pytest.raises(OutputExistsError, match="will not be replaced"):
+        training.train_agent(settings, tmp_path / "agent", force=True)
+    assert (tmp_path / name / "diary.txt").read_text() == "dear diary"
 
 
 def test_the_same_scene_twice_is_refused(settings, tmp_path):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from active_perceiver.errors import UserError
 from active_perceiver.experiments.demo_report import Found, write_report
 from active_perceiver.experiments.evaluating import format_measures
 from active_perceiver.experiments.result import write_result
@@ -47,6 +48,7 @@ def run_demo(
     started = time.monotonic()
     if (out / "result.json").exists() and not (force or resume):
         raise OutputExistsError(f"{out} holds a demo already; give another --out, or --force to replace it")
+    _check_same_settings(out, settings, resume)
     trained = _finished(out / "agent" / "result.json", resume) or train_agent(
         settings, out / "agent", force=force, resume=resume
     )
@@ -67,6 +69,13 @@ def run_demo(
         print(f"{item.summary.target}: {verdict(item.record)}")
     print(f"\nlook at {out}/report.html; videos are {out}/<target>/search.mp4, numbers in {out}/result.json")
     return result
+
+
+def _check_same_settings(out: Path, settings: TrainSettings, resume: bool) -> None:
+    """A demo can only go on with the settings it was begun with."""
+    trained = _finished(out / "agent" / "result.json", resume)
+    if trained is not None and trained["settings"] != json.loads(json.dumps(asdict(settings))):
+        raise UserError(f"{out} was begun with other settings; give the same ones, or --force to begin anew")
 
 
 def _finished(path: Path, resume: bool) -> dict[str, Any] | None:

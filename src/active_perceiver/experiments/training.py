@@ -57,6 +57,11 @@ def prepare(settings: TrainSettings) -> Material:
     if unknown:
         known = ", ".join(sorted({name for scene in scenes for name in scene.target_names}))
         raise UserError(f"no scene has the target {', '.join(unknown)}; there are {known}")
+    for scene in scenes:
+        if settings.targets and not set(settings.targets) & set(scene.target_names):
+            raise UserError(
+                f"scene '{scene.name}' has none of the targets {', '.join(settings.targets)}; leave it out"
+            )
     with console.status(f"backbone {settings.backbone}; the first time it is converted, which takes half a minute"):
         backbone = load_backbone(settings.backbone, image_size=settings.image_size)
     features = []
@@ -85,11 +90,14 @@ def train_agent(settings: TrainSettings, out: Path, *, force: bool = False, resu
         OutputExistsError: if there is something already, and neither `force` nor `resume` says what to do.
         UserError: if the settings do not fit the scenes, or differ from those of the interrupted training.
     """
-    _learner_config(settings)  # what is wrong with the settings shows before anything long begins
-    work = _work_folder(settings, out, force=force, resume=resume)
+    # What is wrong with the settings or the folder shows before anything long begins, and leaves nothing behind.
+    _learner_config(settings)
+    work = out.with_name(f"{out.name}.part")
+    _check_output(settings, out, work, force=force, resume=resume)
     seconds: dict[str, float] = {}
     started = time.monotonic()
     material = prepare(settings)
+    _begin(settings, work, resume=resume)
     seconds["features"] = time.monotonic() - started
     recogniser_metrics = _recogniser_stage(settings, material, work, seconds)
     recogniser = Recogniser(work / "recogniser.onnx")
@@ -125,24 +133,32 @@ def measure_recogniser(settings: TrainSettings) -> dict[str, Any]:
     return _recogniser_figures(_train_recogniser(settings, prepare(settings)))
 
 
-def _work_folder(settings: TrainSettings, out: Path, *, force: bool, resume: bool) -> Path:
-    """Make or find the folder of the training in progress, and note the settings in it."""
-    work = out.with_name(f"{out.name}.part")
-    wanted = json.dumps({"version": __version__, **asdict(settings)}, indent=2)
+def _noted_settings(settings: TrainSettings) -> str:
+    """What `settings.json` in the folder of a training in progress holds."""
+    return json.dumps({"version": __version__, **asdict(settings)}, indent=2)
+
+
+def _check_output(settings: TrainSettings, out: Path, work: Path, *, force: bool, resume: bool) -> None:
+    """Make sure that nothing is in the way but what may be replaced, and that it is ours to replace."""
     if out.exists() and not force:
         raise OutputExistsError(f"{out} exists; give another --out, or --force to replace it")
-    if work.exists() and resume:
-        noted = work / "settings.json"
-        if not noted.is_file() or noted.read_text() != wanted:
+    for folder, sign in ((out, "config.json"), (work, "settings.json")):
+        if folder.exists() and not (folder / sign).is_file() and (not folder.is_dir() or any(folder.iterdir())):
+            raise OutputExistsError(f"{folder} is not an agent and will not be replaced; give another --out")
+    if (work / "settings.json").is_file() and resume:
+        if (work / "settings.json").read_text() != _noted_settings(settings):
             raise UserError(f"{work} was begun with other settings; give the same ones, or --force to begin anew")
-    elif work.exists():
-        if not force:
-            raise OutputExistsError(f"{work} is an interrupted training; --resume goes on, --force begins anew")
+    elif work.exists() and not force:
+        raise OutputExistsError(f"{work} is an interrupted training; --resume goes on, --force begins anew")
+
+
+def _begin(settings: TrainSettings, work: Path, *, resume: bool) -> None:
+    """Make or keep the folder of the training in progress, and note the settings in it."""
+    if work.exists() and not resume:
         shutil.rmtree(work)
     work.mkdir(parents=True, exist_ok=True)
     with replacing(work / "settings.json") as temporary:
-        temporary.write_text(wanted)
-    return work
+        temporary.write_text(_noted_settings(settings))
 
 
 def _train_recogniser(settings: TrainSettings, material: Material) -> TrainedRecogniser:
@@ -195,10 +211,6 @@ def _see_all(
     sightings = []
     for scene, features in zip(material.scenes, material.features, strict=True):
         wanted = [name for name in settings.targets if name in scene.target_names]
-        if settings.targets and not wanted:
-            raise UserError(
-                f"scene '{scene.name}' has none of the targets {', '.join(settings.targets)}; leave it out"
-            )
         seen = [name for index, name in enumerate(scene.target_names) if scene.areas[:, index].any()]
         sightings.append(see_everywhere(scene, features, recogniser, wanted or seen))
     seconds["detections"] = time.monotonic() - started

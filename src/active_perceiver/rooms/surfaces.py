@@ -13,7 +13,6 @@ BLACK_GLASS = Material(colour=from_hex("#17181a"), roughness=0.08, coat=0.8)
 CAST_IRON = Material(colour=from_hex("#303133"), roughness=0.5)
 WHITE_PAINT = Material(colour=from_hex("#f1efea"), roughness=0.35)
 BRASS = Material(colour=from_hex("#d9b25c"), roughness=0.22, metalness=1.0)
-COPPER = Material(colour=from_hex("#d98b5f"), roughness=0.22, metalness=1.0)
 PAPER = Material(colour=from_hex("#efe8d6"), roughness=0.95, specular=0.1)
 STALK = Material(colour=from_hex("#5b3d1e"), roughness=0.8)
 
