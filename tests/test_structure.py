@@ -26,7 +26,9 @@ ALLOWED = {
     "experiments": {
         "agent_config", "figures", "perceiver", "policies", "recognition", "robots", "scenes", "search", "vision",
     },
-    "cli": {"experiments", "rooms", "scenes", "vision"},
+    "cli_scenes": {"experiments", "rooms", "scenes"},
+    "cli_benchmarks": {"experiments", "rooms"},
+    "cli": {"cli_benchmarks", "cli_scenes", "experiments", "rooms", "scenes", "vision"},
     "__main__": {"cli"},
 }  # fmt: skip
 

@@ -39,7 +39,7 @@ def toy_scene(
         poses=poses,
         transitions=lattice_transitions(poses, actions, STEP),
         boxes=np.stack([boxes for _, boxes in drawn]),
-        targets=tuple(Target(f"ball{k}", _pictures(k, image_size), "ball") for k in range(targets)),
+        targets=tuple(Target(f"ball{k}", _pictures(k, image_size), "ball", held_out=2) for k in range(targets)),
         image_size=image_size,
         fov=75.0,
         source="tests",

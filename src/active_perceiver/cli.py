@@ -16,14 +16,11 @@ from typing import Annotated
 import tyro
 from tyro.conf import Positional, subcommand
 
+from active_perceiver.cli_benchmarks import Benchmark
+from active_perceiver.cli_scenes import Scenes, help_text
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
 from active_perceiver.progress import console
-
-
-def _help(summary: str, *examples: str) -> str:
-    lines = "\n".join(f"  active-perceiver {example}" for example in examples)
-    return f"{summary}\n\nExamples:\n{lines}"
 
 
 @dataclass
@@ -136,137 +133,12 @@ class Info:
         return 0
 
 
-@dataclass
-class ScenesList:
-    """The bundled scenes."""
-
-    def run(self) -> int:
-        from active_perceiver.scenes import bundled_names, open_scene
-
-        for name in bundled_names():
-            scene = open_scene(name)
-            print(f"{name:<16} {len(scene):>5} views  {len(scene.actions)} actions  {len(scene.targets)} targets")
-        return 0
-
-
-@dataclass
-class ScenesInfo:
-    """What a scene holds."""
-
-    scene: Positional[str]
-    """Bundled name or file."""
-    picture: Path | None = None
-    """Write a contact sheet with the floor plan and goal states here, as PNG."""
-    force: bool = False
-    """Replace an existing picture."""
-
-    def run(self) -> int:
-        from active_perceiver.experiments.scene_report import describe, write_contact_sheet
-        from active_perceiver.scenes import open_scene
-
-        scene = open_scene(self.scene)
-        print(describe(scene))
-        if self.picture is not None:
-            write_contact_sheet(scene, self.picture, force=self.force)
-            print(f"contact sheet: {self.picture}")
-        return 0
-
-
-@dataclass
-class ScenesCheck:
-    """What is wrong with a scene, and what that means."""
-
-    scene: Positional[str]
-    """Bundled name or file."""
-
-    def run(self) -> int:
-        from active_perceiver.scenes import open_scene
-        from active_perceiver.scenes.checking import scene_problems
-
-        problems = scene_problems(open_scene(self.scene))
-        for problem in problems:
-            print(f"{'ERROR' if problem.fatal else 'note '} {problem.text}")
-        if not problems:
-            print("no problems found")
-        return 1 if any(problem.fatal for problem in problems) else 0
-
-
-@dataclass
-class ScenesRender:
-    """Make a scene from a generated 3D room."""
-
-    layout: Positional[str]
-    """Kind of room, for example kitchen."""
-    out: Path
-    """The scene file to write."""
-    seed: int = 1
-    """The room follows from it: the same seed gives the same scene."""
-    workers: int | None = None
-    """Processes; all cores if not given."""
-    force: bool = False
-    """Replace an existing file."""
-
-    def run(self) -> int:
-        from active_perceiver.rooms.capture import render_scene
-
-        render_scene(self.layout, self.seed, self.out, force=self.force, workers=self.workers)
-        print(f"scene: {self.out}")
-        return 0
-
-
-ScenesCommand = (
-    Annotated[ScenesList, subcommand("list", description=_help("The bundled scenes.", "scenes list"))]
-    | Annotated[
-        ScenesInfo,
-        subcommand(
-            "info",
-            description=_help(
-                "What a scene holds: views, moves, targets and how often each is seen.",
-                "scenes info kitchen_1",
-                "scenes info kitchen_1 --picture kitchen.png",
-            ),
-        ),
-    ]
-    | Annotated[
-        ScenesCheck,
-        subcommand(
-            "check",
-            description=_help(
-                "What is wrong with a scene and what that means; exit code 1 if it cannot be searched.",
-                "scenes check kitchen_1",
-                "scenes check my_room.h5",
-            ),
-        ),
-    ]
-    | Annotated[
-        ScenesRender,
-        subcommand(
-            "render",
-            description=_help(
-                "Make a scene from a generated 3D room (needs the `rooms` extra).",
-                "scenes render kitchen --seed 1 --out kitchen_1.h5",
-            ),
-        ),
-    ]
-)
-
-
-@dataclass
-class Scenes:
-    """What scenes there are, are they sound, make one."""
-
-    command: ScenesCommand
-
-    def run(self) -> int:
-        return self.command.run()
-
-
 Command = (
     Annotated[
         Demo,
         subcommand(
             "demo",
-            description=_help(
+            description=help_text(
                 "Train on the bundled kitchen, measure, search for four objects from pictures, write a report.",
                 "demo",
                 "demo --out my_demo --seed 3",
@@ -274,13 +146,16 @@ Command = (
         ),
     ]
     | Annotated[
-        Scenes, subcommand("scenes", description="Scenes: list, info, check, render (each has its own --help).")
+        Scenes,
+        subcommand(
+            "scenes", description="Scenes: list, info, check, preview, render, elsewhere (each has its own --help)."
+        ),
     ]
     | Annotated[
         Train,
         subcommand(
             "train",
-            description=_help(
+            description=help_text(
                 "Train a recogniser and a policy; the result is a folder that runs without torch.",
                 "train --out kitchen_agent",
                 "train --scenes kitchen_1 --targets mug plate --out agent --learner ppo --reward gain",
@@ -291,7 +166,7 @@ Command = (
         Evaluate,
         subcommand(
             "evaluate",
-            description=_help(
+            description=help_text(
                 "Measure an agent: success, steps, ratio to the shortest path, SPL, and its own word.",
                 "evaluate kitchen_agent",
                 "evaluate kitchen_agent --protocol paper --out paper.json",
@@ -302,14 +177,25 @@ Command = (
         Search,
         subcommand(
             "search",
-            description=_help(
+            description=help_text(
                 "Search for the object in a picture; exit code 1 if it was not found.",
                 "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1",
                 "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1 --out run --seed 7",
             ),
         ),
     ]
-    | Annotated[Info, subcommand("info", description=_help("Versions and machine, for a bug report.", "info"))]
+    | Annotated[
+        Benchmark,
+        subcommand(
+            "benchmark",
+            description=help_text(
+                "How fast it is on this machine, measured in one run on one core.",
+                "benchmark render",
+                "benchmark render kitchen --views 24 --out render.json",
+            ),
+        ),
+    ]
+    | Annotated[Info, subcommand("info", description=help_text("Versions and machine, for a bug report.", "info"))]
 )
 
 
@@ -335,7 +221,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         console.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
         return 2
     except KeyboardInterrupt:
-        console.print("interrupted; what was there before is as it was. `demo` and `train` go on with --resume")
+        console.print(
+            "interrupted; what was there before is as it was. `demo`, `train` and `scenes render` go on with "
+            "--resume",
+            soft_wrap=True,
+        )
         return 130
 
 

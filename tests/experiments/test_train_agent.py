@@ -8,6 +8,8 @@ import pytest
 from active_perceiver.errors import UserError
 from active_perceiver.experiments import training
 from active_perceiver.files import OutputExistsError
+from active_perceiver.scenes import save_scene
+from toy import toy_scene
 
 pytestmark = pytest.mark.xdist_group("agent")
 
@@ -98,3 +100,49 @@ def test_ppo_trains_for_the_paper_s_reward(settings, tmp_path):
     body = training.train_agent(record, tmp_path / "agent")
     assert 0 <= body["overall"]["success"] <= 1
     assert body["settings"]["reward"] == "record"
+
+
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory):
+    """Another room with the same balls."""
+    path = tmp_path_factory.mktemp("elsewhere") / "photographs.h5"
+    save_scene(toy_scene(5, side=3), path)
+    return path
+
+
+def test_the_recogniser_may_be_trained_elsewhere(settings, scene, elsewhere, tmp_path):
+    apart = dataclasses.replace(settings, recogniser_scenes=(str(elsewhere),), recogniser_steps=5, policy_seconds=1.0)
+    body = training.train_agent(apart, tmp_path / "agent")
+    config = json.loads((tmp_path / "agent" / "config.json").read_text())
+    assert list(config["branches"]) == [scene.name]
+    assert config["training"]["scenes"] == list(settings.scenes)
+    assert config["training"]["recogniser_scenes"] == [str(elsewhere)]
+    # No view of the scene was trained on, so all of them tell how well it recognises.
+    assert config["training"]["held_out_views"] == {scene.name: list(range(len(scene)))}
+    assert body["settings"]["recogniser_scenes"] == (str(elsewhere),)
+
+
+def test_a_recogniser_trained_there_and_elsewhere_holds_out_its_own_views(settings, scene, elsewhere, tmp_path):
+    both = dataclasses.replace(
+        settings, recogniser_scenes=(*settings.scenes, str(elsewhere)), recogniser_steps=2, policy_seconds=1.0
+    )
+    training.train_agent(both, tmp_path / "agent")
+    views = json.loads((tmp_path / "agent" / "config.json").read_text())["training"]["held_out_views"]
+    assert list(views) == [scene.name]
+    assert 0 < len(views[scene.name]) < len(scene) / 2
+
+
+def test_scenes_of_the_recogniser_must_keep_the_split(settings, scene, tmp_path):
+    everything = tuple(dataclasses.replace(target, held_out=0) for target in scene.targets)
+    careless = tmp_path / "photographs.h5"
+    save_scene(dataclasses.replace(toy_scene(5), targets=everything), careless)
+    apart = dataclasses.replace(settings, recogniser_scenes=(str(careless),))
+    with pytest.raises(UserError, match="'ball0' that scene 'toy_0' holds out"):
+        training.train_agent(apart, tmp_path / "agent")
+    assert not (tmp_path / "agent.part").exists()
+
+
+def test_the_same_scene_twice_for_the_recogniser_is_refused(settings, tmp_path):
+    twice = dataclasses.replace(settings, recogniser_scenes=settings.scenes * 2)
+    with pytest.raises(UserError, match="different names"):
+        training.train_agent(twice, tmp_path / "agent")

@@ -13,7 +13,7 @@ from toy import toy_scene
 
 torch = pytest.importorskip("torch")
 
-from active_perceiver.recognition.judging import platt_scaling  # noqa: E402
+from active_perceiver.recognition.judging import _spread, platt_scaling  # noqa: E402
 from active_perceiver.recognition.training import CONFIGS, RecogniserConfig, train_recogniser  # noqa: E402
 
 STEPS = 150
@@ -94,11 +94,29 @@ def test_held_out_targets_are_measured_apart(scene, features):
 def test_two_scenes_at_once(scene, features, backbone):
     small = toy_scene(seed=5, side=2, targets=2)
     pictures = small.targets[0].pictures[:2]
-    small = replace(small, targets=(replace(small.targets[0], pictures=pictures), small.targets[1]))
+    small = replace(small, targets=(replace(small.targets[0], pictures=pictures, held_out=0), small.targets[1]))
     result = train_recogniser([scene, small], [features, scene_features(small, backbone)], replace(SHORT, steps=2))
     assert [len(views) for views in result.validation_views] == [len(scene), len(small)]
     assert "toy_5/ball1" in result.metrics["unseen pictures"].per_target
     assert "toy_5/ball0" not in result.metrics["unseen pictures"].per_target  # its two pictures are all trained with
+
+
+def test_pictures_that_are_held_out_never_reach_the_network(scene, features):
+    """Whatever is in their place, the same network comes out of it."""
+    maps = features.target_maps.copy()
+    maps[:, 2:] = 7.0
+    short = replace(SHORT, steps=3)
+    one, two = (
+        train_recogniser([scene], [some], short).network.state_dict()
+        for some in (features, replace(features, target_maps=maps))
+    )
+    learned = [name for name in one if name.split(".")[-1] not in ("scale", "shift")]  # calibrated on held-out ones
+    assert len(learned) > 5
+    assert all(torch.equal(one[name], two[name]) for name in learned)
+
+
+def test_what_is_judged_is_spread_over_the_pictures():
+    assert [_spread(*ends) for ends in ((0, 8), (8, 12), (2, 3), (4, 4))] == [[0, 4], [8, 10], [2], []]
 
 
 def test_bad_input(scene, features):
@@ -132,7 +150,7 @@ def test_annotations_and_split(scene):
     assert ((own == ABSENT) == ~visible).all()
     assert ((own == PRESENT) == (scene.areas >= 0.01)).all()
     assert (own[visible & (scene.areas < 0.01)] == UNJUDGED).all()
-    split = Split.of(data, 0.2, 2, ("ball2",), np.random.default_rng(0))
+    split = Split.of(data, 0.2, ("ball2",), np.random.default_rng(0))
     places = [set(data.places[rows].tolist()) for rows in (split.views, ~split.views)]
     assert not places[0] & places[1]
     assert len(places[0]) == round(0.2 * 32)
@@ -141,8 +159,9 @@ def test_annotations_and_split(scene):
 
 
 def test_batches_hold_nothing_that_was_kept_out(scene):
-    data = Annotations.of([scene], smallest_area=0.003)
-    split = Split.of(data, 0.3, 1, ("ball0",), np.random.default_rng(0))
+    targets = tuple(replace(target, held_out=1) for target in scene.targets)
+    data = Annotations.of([replace(scene, targets=targets)], smallest_area=0.003)
+    split = Split.of(data, 0.3, ("ball0",), np.random.default_rng(0))
     sampler = PairSampler(data, split, 0.7, np.random.default_rng(1))
     batches = [sampler.draw(16, 2) for _ in range(20)]
     views, targets, pictures, states, boxes = (

@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from active_perceiver.files import OutputExistsError
 from active_perceiver.progress import quiet
 from active_perceiver.rooms import capture as capture_module
-from active_perceiver.rooms import compiled
 from active_perceiver.rooms.camera import render
 from active_perceiver.rooms.capture import (
-    CaptureSettings,
     boxes_from_mask,
     capture,
-    render_scene,
 )
+from active_perceiver.rooms.capture_settings import DEFAULT_SETTINGS, CaptureError, CaptureSettings
 from active_perceiver.rooms.free_space import FreeSpaceError, clearance, free_positions, without_collisions
-from active_perceiver.rooms.layouts import LayoutError
 from active_perceiver.rooms.lighting import bake
 from active_perceiver.rooms.studio import TargetError, studio_pictures
 from active_perceiver.rooms.workers import WorkerError, run_parallel
-from active_perceiver.scenes import EIGHT_ACTIONS, Scene, load_scene
+from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Scene
 from active_perceiver.scenes.lattice import islands, lattice_poses, lattice_transitions
 from box_room import DEPTH, TABLE, WIDTH, box_room
 
@@ -89,6 +84,59 @@ def test_no_free_position_is_an_error(spacing: float, radius: float, message: st
         free_positions(box_room(), spacing, radius)
 
 
+@pytest.mark.parametrize("places", [1, 7, 27])
+def test_a_number_of_places_around_the_middle_is_kept(places: int) -> None:
+    everywhere = free_positions(box_room(), 0.3, 0.2)
+    positions = free_positions(box_room(), 0.3, 0.2, places)
+    assert len(positions) == places
+    assert {tuple(place) for place in positions} <= {tuple(place) for place in everywhere}
+    poses = np.hstack([positions, np.zeros((places, 2))])
+    assert islands(lattice_transitions(poses, EIGHT_ACTIONS, 0.3)).max() == 0
+    distance = np.linalg.norm(everywhere - everywhere.mean(axis=0), axis=1)
+    nearest = everywhere[distance.argmin()]
+    assert (positions == nearest).all(axis=1).any()
+    # A compact patch: hardly wider than a disc of as many places.
+    assert np.linalg.norm(positions - nearest, axis=1).max() < 0.3 * (1.2 * np.sqrt(places / np.pi) + 2)
+
+
+def test_places_do_not_reach_through_a_fence() -> None:
+    fence = np.array([[2.0, 0.0], [2.02, 0.0], [2.02, 2.3], [2.0, 2.3]])
+    room = replace(box_room(), obstacles=(("fence", fence),))
+    positions = free_positions(room, 0.3, 0.05, 20)
+    poses = np.hstack([positions, np.zeros((20, 2))])
+    moves = without_collisions(poses, lattice_transitions(poses, EIGHT_ACTIONS, 0.3), [fence], 0.05)
+    assert islands(moves).max() == 0
+
+
+def test_too_many_places_are_an_error_that_says_how_many_there_are() -> None:
+    there = len(free_positions(box_room(), 0.5, 0.2))
+    with pytest.raises(FreeSpaceError, match=f"has {there} positions"):
+        free_positions(box_room(), 0.5, 0.2, there + 1)
+    assert len(free_positions(box_room(), 0.5, 0.2, there)) == there
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"spacing": float("nan")}, {"spacing": 0.0}, {"places": 0}, {"tilts": ()}, {"tilts": (0.0, -30.0)},
+        {"tilts": (-30.0, 0.0, 10.0)}, {"tilts": (float("nan"),)}, {"image_size": 0}, {"fov": 180.0}, {"samples": 3},
+        {"bake_rays": 0}, {"bounces": -1}, {"webp_quality": 101}, {"actions": ()}, {"robot_radius": -1.0},
+        {"actions": (EIGHT_ACTIONS[0],) * 2}, {"camera_height": float("inf")},
+    ],
+)  # fmt: skip
+def test_wrong_settings_are_named(wrong: dict[str, Any]) -> None:
+    with pytest.raises(CaptureError, match=f"^{next(iter(wrong))} must "):
+        CaptureSettings(**wrong)
+
+
+def test_a_turtlebot_drives_through_the_conference_room() -> None:
+    settings = DEFAULT_SETTINGS["conference_room"]
+    assert settings.actions == TURTLEBOT_ACTIONS
+    assert settings.places is not None
+    assert settings.places * 4 * len(settings.tilts) == 216
+    assert settings.faults is not None
+
+
 def test_boxes_bound_the_masks() -> None:
     mask = np.full((100, 200), -1, np.int32)
     mask[10:30, 50:150] = 3
@@ -100,19 +148,12 @@ def test_boxes_bound_the_masks() -> None:
     np.testing.assert_allclose(boxes[2], [0.975, 0.995, 0.05, 0.01], atol=1e-6)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def coarse_mesh() -> Iterator[None]:
-    """A few thousand triangles: enough for this room, and quickly baked."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compiled, "MAX_TRIANGLES", 4000)
-        yield
-
-
 @pytest.fixture(scope="module")
 def scenes() -> tuple[Scene, Scene]:
     """The same room by one worker and by two."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(capture_module, "SETUPS", 1)
+        patch.setattr(capture_module, "HELD_OUT", 1)
         one, two = (capture(box_room(), SMALL, seed=5, workers=workers) for workers in (1, 2))
     return one, two
 
@@ -138,6 +179,7 @@ def test_scene_shows_the_room(scenes: tuple[Scene, Scene]) -> None:
     # WebP is lossy, but it is the same picture.
     assert np.abs(scene.view(state).astype(int) - view.image).mean() < 6
     assert scene.targets[0].category == "carton"
+    assert scene.targets[0].held_out == 1
     assert scene.targets[0].picture().shape == (48, 48, 3)
 
 
@@ -162,24 +204,6 @@ def test_unknown_targets_are_named() -> None:
         capture(replace(box_room(), targets={}), SMALL)
 
 
-def test_rendering_refuses_unknown_layouts_and_existing_files(tmp_path: Path) -> None:
-    with pytest.raises(LayoutError, match="kitchen"):
-        render_scene("castle", 1, tmp_path / "castle.h5")
-    (tmp_path / "there.h5").write_bytes(b"precious")
-    with pytest.raises(OutputExistsError):
-        render_scene("kitchen", 0, tmp_path / "there.h5")
-    assert (tmp_path / "there.h5").read_bytes() == b"precious"
-
-
-def test_render_scene_writes_a_scene_file(
-    scenes: tuple[Scene, Scene], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(capture_module, "capture", lambda *args, **kwargs: scenes[0])
-    monkeypatch.setattr("active_perceiver.rooms.layouts.LAYOUTS", {"kitchen": lambda seed: box_room()})
-    render_scene("kitchen", 5, tmp_path / "kitchen_5.h5")
-    assert load_scene(tmp_path / "kitchen_5.h5").views == scenes[0].views
-
-
 def multiply(factor: int, job: int) -> int:
     if job < 0:
         os.kill(os.getpid(), signal.SIGKILL)
@@ -190,5 +214,5 @@ def test_parallel_work_keeps_order_and_reports_death() -> None:
     assert run_parallel(multiply, 3, [1, 2, 3], 1, quiet) == [3, 6, 9]
     with pytest.raises(WorkerError, match="was killed"):
         run_parallel(multiply, 3, [1, -1, 2], 1, quiet)
-    with pytest.raises(ValueError, match="at least 1"):
+    with pytest.raises(WorkerError, match="at least 1"):
         run_parallel(multiply, 3, [1], 0, quiet)

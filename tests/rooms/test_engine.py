@@ -8,14 +8,16 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from active_perceiver.rooms import compiled
+from active_perceiver.rooms import camera, compiled, vectors
 from active_perceiver.rooms.camera import NOTHING, camera_axes, render
 from active_perceiver.rooms.compiled import compile_room
+from active_perceiver.rooms.direct_light import Lights, LightSample
 from active_perceiver.rooms.geometry import quad
 from active_perceiver.rooms.lighting import BakedRoom, bake
 from active_perceiver.rooms.materials import Material
 from active_perceiver.rooms.raycast import RayCaster, RoomsExtraError, open_image_denoise
 from active_perceiver.rooms.room import Lamp, Part, Sun
+from active_perceiver.rooms.sunlight import SUN_RADIUS, SunShafts
 from active_perceiver.rooms.tessellation import tessellate
 from active_perceiver.rooms.texture_lookup import TextureAtlas
 from active_perceiver.rooms.tone import tone_map
@@ -103,11 +105,88 @@ def test_texture_lookup_filters_wraps_and_averages() -> None:
     index = np.array([0, 0, 0, 0, 1])
     colour = atlas.sample(index, uv, np.zeros(5, np.float32))
     np.testing.assert_allclose(colour[:, 0], [1, 1, 0, 0.5, 0.5], atol=1e-3)
+    # What a whole number of tiles away is the same texel, at the very edges too.
+    edges = np.array([[-1e-9, 0.9], [0.0, 0.9], [1.0, 0.9], [5.0, -0.1]], np.float32)
+    colours = atlas.sample(np.zeros(4, np.int64), edges, np.zeros(4, np.float32))
+    np.testing.assert_allclose(colours, np.tile(colours[:1], (4, 1)), atol=1e-3)
     whole = atlas.sample(index[:1], np.array([[0.5, 1 - 1 / 8]], np.float32), np.array([0.25], np.float32))
     np.testing.assert_allclose(whole[0, 0], 0.5, atol=1e-3)
 
 
+def test_vector_columns_agree_with_plain_arithmetic() -> None:
+    rng = np.random.default_rng(0)
+    first, second = rng.standard_normal((2, 50, 3)).astype(np.float32)
+    index = rng.integers(0, 50, 20)
+    np.testing.assert_array_equal(vectors.rows(first, index), first[index])
+    np.testing.assert_array_equal(vectors.columns(*first.T), first)
+    np.testing.assert_allclose(vectors.dot(first, second), (first * second).sum(axis=1), rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(vectors.dot(first, second[:1]), first @ second[0], rtol=1e-5, atol=1e-6)
+    normals = vectors.unit(first)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, rtol=1e-6)
+    share, turn = rng.random((2, 50)).astype(np.float32)
+    directions = vectors.cosine_directions(normals, share, turn)
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1, rtol=1e-5)
+    np.testing.assert_allclose(vectors.dot(directions, normals) ** 2, 1 - share, atol=1e-5)
+
+
+def test_uv_gradients_continue_the_texture_of_a_triangle() -> None:
+    surfaces = compile_room(make_room((Part("floor", quad((0, 0, 0), (2, 0.5, 0), (0, 1, 1)), Material()),)))
+    corners, uvs = surfaces.positions[surfaces.faces], surfaces.uvs[surfaces.faces]
+    for corner in range(1, 3):
+        step = corners[:, corner] - corners[:, 0]
+        for axis in range(2):
+            grown = (surfaces.uv_gradients[:, 3 * axis : 3 * axis + 3] * step).sum(axis=1)
+            np.testing.assert_allclose(grown, uvs[:, corner, axis] - uvs[:, 0, axis], atol=1e-4)
+
+
 # Light
+
+
+def test_a_chosen_lamp_stands_for_all_of_them() -> None:
+    table = Part("table", solid((0.5, 0.5, 0.7), (1.5, 1.5, 0.75)), Material())
+    edges = ((0.0, 0.6, 0.0), (0.6, 0.0, 0.0))
+    lamps = (
+        Lamp("panel", (1.0, 1.0, 2.4), edges, 0.0, (5.0, 5.0, 4.0)),
+        Lamp("bulb", (3.0, 2.0, 1.5), None, 0.05, (60.0, 30.0, 20.0)),
+        Lamp("far", (3.5, 0.5, 2.0), None, 0.1, (10.0, 20.0, 30.0)),
+    )
+    room = make_room((*walls(), table), lamps=lamps)
+    lights = Lights(room, compile_room(room))
+    # In full light, in half shadow and under the table; the visibility given is a guess, and a wrong one.
+    places = np.array([[3.0, 1.5, 0.0], [1.6, 1.2, 0.0], [1.0, 1.0, 0.0]], np.float32)
+    visible = np.array([[1.0, 0.0, 0.5], [0.0, 0.3, 1.0], [1.0, 0.2, 0.0]], np.float32)
+    count = 40_000
+    points, guesses = np.repeat(places, count, axis=0), np.repeat(visible, count, axis=0)
+    normals = np.tile(np.array([[0, 0, 1]], np.float32), (len(points), 1))
+    rng = np.random.default_rng(1)
+
+    def mean(*samples: LightSample) -> np.ndarray:
+        total = np.zeros((len(points), 3))
+        for sample in samples:
+            total[sample.index] += sample.irradiance
+        return total.reshape(len(places), count, 3).mean(axis=1)
+
+    every = mean(*(lights.lamplight(np.full(len(points), lamp), points, normals, rng) for lamp in range(3)))
+    draws = rng.random(len(points), np.float32)
+    lamp, weight = lights.choose_lamps(points, normals, guesses, draws)
+    assert set(lamp[:count]) == {0, 1, 2}
+    np.testing.assert_allclose(mean(lights.lamplight(lamp, points, normals, rng, weight)), every, rtol=0.05)
+
+
+def test_sun_shafts_hold_every_point_the_sun_reaches() -> None:
+    wall = [Part("wall", solid((0.0, 2.9, 0.0), (1.0, 3.0, 2.5)), Material())]
+    wall += [Part("wall", solid((1.1, 2.9, 0.0), (4.0, 3.0, 2.5)), Material())]
+    roof = Part("roof", solid((-0.5, 0.0, 2.5), (4.5, 3.0, 2.6)), Material())
+    sun = Sun((0.3, -1.0, -0.7), (1.0, 1.0, 1.0), 5.0)
+    surfaces = compile_room(make_room((*walls()[:1], *wall, roof), sun=sun))
+    shafts = SunShafts(sun, surfaces)
+    rng = np.random.default_rng(0)
+    points = (rng.random((40_000, 3)) * [WIDTH, 2.8, 2.4]).astype(np.float32)
+    towards = shafts.towards + SUN_RADIUS * rng.standard_normal(points.shape).astype(np.float32)
+    lit = ~surfaces.shadow_caster.occluded(points, towards)
+    may = shafts.may_reach(points)
+    assert may[lit].mean() > 0.999
+    assert 100 < lit.sum() < may.sum() < len(points) / 2
 
 
 def test_open_floor_under_constant_sky_gets_pi_times_its_radiance() -> None:
@@ -174,6 +253,26 @@ def test_mask_is_the_projection_of_the_box(baked: BakedRoom) -> None:
     assert mask.sum() == pytest.approx((right - left) * (bottom - top), rel=0.05)
     np.testing.assert_allclose(view.depth[mask], BOX[0][0] - CAMERA[0], atol=1e-3)
     np.testing.assert_allclose(view.depth[25, size // 2], WIDTH - CAMERA[0], atol=1e-2)
+
+
+def test_one_ray_suffices_where_there_is_no_edge(baked: BakedRoom, monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = {"heading": 70, "tilt": -15, "image_size": 96, "denoise": False}
+    fast = render(baked, CAMERA, **settings)
+    monkeypatch.setattr(camera, "_edges", lambda first, lens: np.ones(len(first.part), bool))
+    slow = render(baked, CAMERA, **settings)
+    assert (fast.mask != slow.mask).mean() < 0.001
+    # Noise of soft shadows differs; edges would by far more.
+    assert np.abs(fast.image.astype(int) - slow.image).mean() < 4
+    box = slow.mask == baked.object_names.index("box")
+    assert fast.image[box].mean() == pytest.approx(slow.image[box].mean(), abs=2)
+
+
+@pytest.mark.parametrize("samples", [1, 9])
+def test_other_numbers_of_rays_show_the_same(baked: BakedRoom, samples: int) -> None:
+    usual = render(baked, CAMERA, 90, 0, 48)
+    other = render(baked, CAMERA, 90, 0, 48, samples=samples)
+    assert (usual.mask != other.mask).mean() < 0.02
+    assert other.image.mean() == pytest.approx(usual.image.mean(), abs=4)
 
 
 def test_directions_of_heading_and_tilt(baked: BakedRoom) -> None:

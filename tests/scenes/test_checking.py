@@ -76,6 +76,13 @@ def test_copied_broken_and_odd_views_are_counted(scene):
 
 
 def test_broken_target_pictures_are_fatal(scene):
-    broken = dataclasses.replace(scene.targets[0], pictures=(b"broken",))
+    broken = dataclasses.replace(scene.targets[0], pictures=(b"broken",), held_out=0)
     found = texts(dataclasses.replace(scene, targets=(broken, *scene.targets[1:])), True)
     assert any("picture 0 of target 'ball0'" in text for text in found)
+
+
+def test_held_out_copies_of_trained_pictures_are_named(scene):
+    pictures = scene.targets[2].pictures
+    leaky = dataclasses.replace(scene.targets[2], pictures=(*pictures, pictures[0]), held_out=1)
+    found = texts(dataclasses.replace(scene, targets=(*scene.targets[:2], leaky)), False)
+    assert any("1 pictures of 'ball2' that are held out are exact copies" in text for text in found)

@@ -42,10 +42,20 @@ def test_unsound_scenes_are_refused(scene, change, message):
         dataclasses.replace(scene, **change(scene))
 
 
-@pytest.mark.parametrize(("name", "pictures"), [("", (b"x",)), ("a/b", (b"x",)), ("mug", ())])
-def test_unsound_targets_are_refused(name, pictures):
+@pytest.mark.parametrize(
+    ("name", "pictures", "held_out"),
+    [
+        ("", (b"x",), 0), ("a/b", (b"x",), 0), ("mug", (), 0), ("mug", (b"x", b"y"), 2), ("mug", (b"x", b"y"), -1),
+    ],
+)  # fmt: skip
+def test_unsound_targets_are_refused(name, pictures, held_out):
     with pytest.raises(SceneError):
-        Target(name, pictures)
+        Target(name, pictures, held_out=held_out)
+
+
+def test_the_last_pictures_are_held_out():
+    assert Target("mug", (b"x", b"y", b"z"), held_out=2).trained == 1
+    assert Target("mug", (b"x",)).trained == 1
 
 
 def test_areas_are_width_times_height_and_zero_where_unseen(scene):

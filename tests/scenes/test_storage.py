@@ -76,6 +76,10 @@ def as_floats(scene_file):
     scene_file["transitions"] = np.zeros((192, 8))
 
 
+def hold_out(scene_file, value):
+    scene_file["targets/ball1"].attrs["held_out"] = value
+
+
 BREAKAGES = {
     "not HDF5": (lambda path: path.write_text("hello"), "not a readable HDF5 file"),
     "empty": (lambda path: path.write_bytes(b""), "not a readable HDF5 file"),
@@ -90,6 +94,8 @@ BREAKAGES = {
     "box in pixels": (overwrite("boxes", (0, 0), [100, 100, 20, 20]), "must lie in 0..1"),
     "no targets": (drop("targets"), "no targets"),
     "no views": (drop("views"), "damaged"),
+    "all pictures held out": (edit(lambda file: hold_out(file, 4)), "at least one"),
+    "held out is half a picture": (edit(lambda file: hold_out(file, 0.5)), "expected a whole number"),
     "no pictures": (drop("targets/ball0/pictures"), "damaged"),
 }
 
@@ -108,3 +114,13 @@ def test_a_missing_file_and_an_unknown_name_point_to_the_remedy(tmp_path):
         load_scene(tmp_path / "nowhere.h5")
     with pytest.raises(SceneError, match="neither a bundled scene"):
         open_scene("atlantis")
+
+
+def test_files_without_a_split_hold_nothing_out(scene, file):
+    with h5py.File(file, "r+") as old:
+        assert [group.attrs["held_out"] for group in old["targets"].values()] == [2, 2, 2]
+        for group in old["targets"].values():
+            del group.attrs["held_out"]
+    read = load_scene(file)
+    assert [target.held_out for target in read.targets] == [0, 0, 0]
+    assert [target.pictures for target in read.targets] == [target.pictures for target in scene.targets]

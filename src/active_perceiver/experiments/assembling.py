@@ -10,20 +10,14 @@ import numpy as np
 from active_perceiver.agent_config import AgentConfig, KnownTarget, picture_folder
 from active_perceiver.experiments import own_word
 from active_perceiver.experiments.settings import TrainSettings
-from active_perceiver.experiments.sightings import Sightings, picture_split
+from active_perceiver.experiments.sightings import Sightings
 from active_perceiver.files import replacing
 from active_perceiver.policies.restless import unit_vectors
 from active_perceiver.recognition.recogniser import Recogniser
-from active_perceiver.recognition.training import CONFIGS
 from active_perceiver.scenes import bundled_names
 from active_perceiver.scenes.images import image_suffix
 from active_perceiver.search.task import SearchTask
 from active_perceiver.vision.backbone import Backbone
-
-
-def held_out_pictures(settings: TrainSettings) -> int:
-    """How many of each target's pictures, the last ones, training does not see."""
-    return CONFIGS[settings.recogniser].held_out_pictures
 
 
 def agent_config(
@@ -42,12 +36,11 @@ def agent_config(
         recogniser: the trained one.
         held_out_views: by scene, the views of places it was not trained in.
     """
-    pictures, _ = picture_split(sightings[0].scores.shape[2], held_out_pictures(settings))
     known = []
     for seen in sightings:
         task = SearchTask.from_scene(seen.scene, seen.names, settings.rank)
         for index, name in enumerate(seen.names):
-            scores, boxes = (array[:, index][:, pictures] for array in (seen.scores, seen.boxes))
+            scores, boxes = (array[:, index, : seen.trained] for array in (seen.scores, seen.boxes))
             goals, areas = task.goals[:, index], task.areas[:, index]
             threshold = own_word.found_area(scores, boxes, areas, goals, recogniser.threshold)
             known.append(KnownTarget(seen.scene.name, name, threshold))
@@ -59,11 +52,14 @@ def agent_config(
         branches={seen.scene.name: [action.value for action in seen.scene.actions] for seen in sightings},
         targets=known,
         found_area=float(np.median([target.found_area for target in known])),
-        known_similarity=_least_similarity(sightings, pictures),
+        known_similarity=_least_similarity(sightings),
         training={
             "scenes": [_source(source) for source in settings.scenes],
+            "recogniser_scenes": [_source(source) for source in settings.recogniser_scenes or settings.scenes],
             "rank": settings.rank,
-            "held_out_pictures": held_out_pictures(settings),
+            "held_out_pictures": {
+                seen.scene.name: {target.name: target.held_out for target in seen.scene.targets} for seen in sightings
+            },
             "held_out_views": held_out_views,
             "learner": settings.learner,
             "seed": settings.seed,
@@ -76,27 +72,27 @@ def _source(source: str) -> str:
     return source if source in bundled_names() else str(Path(source).resolve())
 
 
-def _least_similarity(sightings: Sequence[Sightings], pictures: Sequence[int]) -> float:
+def _least_similarity(sightings: Sequence[Sightings]) -> float:
     """How alike a picture must be to those of a known target to count as one of it.
 
     A little less than the most unlike picture of any target is to its nearest other picture.
     """
     least = 1.0
     for seen in sightings:
-        for codes in unit_vectors(seen.target_codes[:, list(pictures)]):
+        for codes in unit_vectors(seen.target_codes[:, : seen.trained]):
             likeness = codes @ codes.T
             np.fill_diagonal(likeness, -1.0)
             least = min(least, float(likeness.max(axis=1).min())) if len(codes) > 1 else least
     return 0.97 * least
 
 
-def save_pictures(sightings: Sequence[Sightings], work: Path, held_out: int) -> None:
+def save_pictures(sightings: Sequence[Sightings], work: Path) -> None:
     """Keep the pictures that were trained on, by which the agent knows its targets again."""
     for seen in sightings:
         for index in seen.targets:
             target = seen.scene.targets[index]
             folder = picture_folder(work, seen.scene.name, target.name)
             folder.mkdir(parents=True, exist_ok=True)
-            for number, data in enumerate(target.pictures[: max(1, len(target.pictures) - held_out)]):
+            for number, data in enumerate(target.pictures[: target.trained]):
                 with replacing(folder / f"{number:02}.{image_suffix(data)}") as temporary:
                     temporary.write_bytes(data)

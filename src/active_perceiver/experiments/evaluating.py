@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from active_perceiver.agent_config import picture_folder
 from active_perceiver.errors import UserError
 from active_perceiver.experiments import own_word
 from active_perceiver.experiments.result import shown, write_result
 from active_perceiver.experiments.settings import EvaluateSettings
-from active_perceiver.experiments.sightings import Sightings, picture_split, see_everywhere
+from active_perceiver.experiments.sightings import Sightings, see_everywhere
 from active_perceiver.files import OutputExistsError
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies.evaluation import (
@@ -26,9 +27,12 @@ from active_perceiver.policies.evaluation import (
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.progress import console, progress_bar
 from active_perceiver.recognition.metrics import RecognitionMetrics
-from active_perceiver.scenes import open_scene
+from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.search.task import SearchTask
 from active_perceiver.vision.cache import scene_features
+
+# In which scenes, and with which of the pictures there, an agent is asked to search.
+Asked = Sequence[tuple[Sightings, list[int]]]
 
 
 def measure_agent(
@@ -36,8 +40,8 @@ def measure_agent(
 ) -> dict[str, Any]:
     """Measure an agent in the scenes it was trained in.
 
-    Searches use pictures that training has seen ("overall", "per_target"), and apart from that pictures that it
-    has never seen ("unseen_pictures").
+    Searches use pictures that training has seen ("overall", "per_target"), and apart from that, in the scenes that
+    hold some out, pictures that it has never seen ("unseen_pictures").
 
     Args:
         agent: what to measure.
@@ -47,29 +51,27 @@ def measure_agent(
     Returns:
         The body of a result file: protocol, overall, per_target, unseen_pictures, detection, own_word.
     """
-    held_out = int(agent.config.training["held_out_pictures"])
-    seen, unseen = picture_split(sightings[0].scores.shape[2], held_out)
-    body = _evaluate(agent, sightings, seen, settings).as_dict()
+    groups = {"pictures_seen": [(seen, seen.trained_pictures) for seen in sightings]}
+    if unseen := [(seen, seen.held_out_pictures) for seen in sightings if seen.held_out_pictures]:
+        groups["pictures_unseen"] = unseen
+    body = _evaluate(agent, groups["pictures_seen"], settings).as_dict()
     body["protocol"]["pictures"] = "those trained on"
     if unseen:
-        apart = _evaluate(agent, sightings, unseen, settings).as_dict()
+        apart = _evaluate(agent, unseen, settings).as_dict()
         body["unseen_pictures"] = {"overall": apart["overall"], "per_target": apart["per_target"]}
-    groups = {"pictures_seen": seen, **({"pictures_unseen": unseen} if unseen else {})}
-    body["detection"] = {label: _detection(agent, sightings, some).as_dict() for label, some in groups.items()}
+    body["detection"] = {label: _detection(agent, asked).as_dict() for label, asked in groups.items()}
     body["own_word"] = {
         "protocol": {"searches": settings.searches, "limit": own_word.LIMIT, "true_iou": own_word.TRUE_IOU},
-        **{label: _own_word(agent, sightings, some, settings) for label, some in groups.items()},
+        **{label: _own_word(agent, asked, settings) for label, asked in groups.items()},
     }
     return body
 
 
-def _evaluate(
-    agent: ActivePerceiver, sightings: Sequence[Sightings], pictures: Sequence[int], settings: EvaluateSettings
-) -> Evaluation:
+def _evaluate(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) -> Evaluation:
     """The evaluation with each picture in turn, averaged: a search may start from any of them."""
     by_scene = []
     rng = np.random.default_rng(settings.seed)
-    for seen in sightings:
+    for seen, pictures in asked:
         task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
         observations = seen.observations(agent.config.score_threshold, pictures)
         tables = [
@@ -118,10 +120,10 @@ def _mean_result(results: Sequence[SearchResult]) -> SearchResult:
     )
 
 
-def _detection(agent: ActivePerceiver, sightings: Sequence[Sightings], pictures: Sequence[int]) -> RecognitionMetrics:
+def _detection(agent: ActivePerceiver, asked: Asked) -> RecognitionMetrics:
     """How well the agent's targets are recognised in the views of places that the recogniser was not trained in."""
     scores, boxes, truth, names = [], [], [], []
-    for seen in sightings:
+    for seen, pictures in asked:
         views = np.array(agent.config.training["held_out_views"][seen.scene.name], np.int64)
         for index, name in enumerate(seen.names):
             for picture in pictures:
@@ -138,12 +140,10 @@ def _detection(agent: ActivePerceiver, sightings: Sequence[Sightings], pictures:
     )
 
 
-def _own_word(
-    agent: ActivePerceiver, sightings: Sequence[Sightings], pictures: Sequence[int], settings: EvaluateSettings
-) -> dict[str, Any]:
+def _own_word(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) -> dict[str, Any]:
     rng = np.random.default_rng(settings.seed)
     results = []
-    for seen in sightings:
+    for seen, pictures in asked:
         task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
         observations = seen.observations(agent.config.score_threshold, pictures)
         tables = np.stack(
@@ -152,8 +152,8 @@ def _own_word(
         alike = own_word.alike_views(seen.view_features)
         for index, name in enumerate(seen.names):
             # As `ActivePerceiver.reset` does: the picture alone tells what is enough.
-            codes = seen.target_codes[index][list(pictures)]
-            scores, boxes = (array[:, index][:, list(pictures)] for array in (seen.scores, seen.boxes))
+            codes = seen.target_codes[index][pictures]
+            scores, boxes = (array[:, index][:, pictures] for array in (seen.scores, seen.boxes))
             areas = boxes[..., 2] * boxes[..., 3]
             criteria = [agent.known.criterion(code, seen.scene.name) for code in codes]
             found = np.stack([c.met(scores[:, k], areas[:, k]) for k, c in enumerate(criteria)], axis=1)
@@ -171,7 +171,7 @@ def agent_sightings(agent: ActivePerceiver) -> list[Sightings]:
 
     Raises:
         SceneError: if one of them is no longer there.
-        UserError: if one has changed since.
+        UserError: if one has changed since, or holds out a picture that the agent was trained with.
     """
     sightings = []
     for source in agent.config.training["scenes"]:
@@ -181,8 +181,21 @@ def agent_sightings(agent: ActivePerceiver) -> list[Sightings]:
         with progress_bar(f"features of {scene.name}") as report:
             features = scene_features(scene, agent.backbone, report)
         names = [target.name for target in agent.config.targets if target.scene == scene.name]
+        _check_split(agent, scene, names)
         sightings.append(see_everywhere(scene, features, agent.recogniser, names))
     return sightings
+
+
+def _check_split(agent: ActivePerceiver, scene: Scene, names: Sequence[str]) -> None:
+    """Figures for pictures never seen would be false if the agent keeps one of them as seen in training."""
+    for name in names:
+        target = scene.targets[scene.target_index(name)]
+        kept = {path.read_bytes() for path in picture_folder(agent.folder, scene.name, name).glob("*")}
+        if kept & set(target.pictures[target.trained :]):
+            raise UserError(
+                f"the agent was trained with pictures of '{name}' that scene '{scene.name}' now holds out; train it "
+                "again to measure it there"
+            )
 
 
 def evaluate_command(folder: Path, settings: EvaluateSettings, out: Path | None, *, force: bool = False) -> None:

@@ -29,7 +29,8 @@ def describe(scene: Scene) -> str:
         f"  actions    {actions}; {100 * blocked:.0f} % blocked",
         f"  content    {scene.content_hash}",
         "",
-        f"  {'target':<14} {'seen in':>8} {'largest box':>12} {'goals':>6} {'steps to a goal':>16} {'pictures':>9}",
+        f"  {'target':<14} {'seen in':>8} {'largest box':>12} {'goals':>6} {'steps to a goal':>16}"
+        f" {'pictures':>9} + held out",
     ]
     goals = goal_states(scene.areas)
     for index, target in enumerate(scene.targets):
@@ -39,7 +40,7 @@ def describe(scene: Scene) -> str:
         lines.append(
             f"  {target.name:<14} {100 * (scene.areas[:, index] > 0).mean():>6.1f} % "
             f"{100 * scene.areas[:, index].max():>10.2f} % {goals[:, index].sum():>6} {distance:>16} "
-            f"{len(target.pictures):>9}"
+            f"{target.trained:>9} + {target.held_out}"
         )
     return "\n".join(lines)
 

@@ -13,8 +13,12 @@ class TrainSettings:
     scenes: tuple[str, ...] = ("kitchen_1",)
     """Bundled names or scene files; the policy gets a branch for each."""
     targets: tuple[str, ...] = ()
-    """What the policy is trained to search for; all targets of the scenes if not given. The recogniser is always
-    trained on all of them."""
+    """What the policy is trained to search for; all targets of the scenes if not given. A name may have its scene in
+    front (kitchen_1/mug); "record" stands for a bundled scene's four targets of record. The recogniser is always
+    trained on all targets."""
+    recogniser_scenes: tuple[str, ...] = ()
+    """Scenes the recogniser is trained on instead of `scenes`, for example photographs taken elsewhere
+    (`scenes elsewhere`); then it has seen no view of `scenes`."""
     recogniser: Literal["matching", "pooled"] = "matching"
     """Kind of recogniser: "matching" compares the picture with every place in the view, "pooled" is the paper's."""
     recogniser_steps: int | None = None

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.progress import progress_bar
 from active_perceiver.recognition.recogniser import Recogniser, detect_table
-from active_perceiver.scenes import Scene
+from active_perceiver.scenes import Scene, Target
 from active_perceiver.search.observations import Observations
 from active_perceiver.vision.cache import SceneFeatures
 
@@ -22,6 +22,7 @@ class Sightings:
     Attributes:
         scene: where.
         targets: (T,) indices of the scene's targets that were looked for.
+        trained: the first so many of the K pictures may be trained with, the others never are.
         view_features: (S, D) float32.
         target_features: (T, K, D) float32.
         target_codes: (T, K, C) float32, the recogniser's codes of the pictures.
@@ -31,6 +32,7 @@ class Sightings:
 
     scene: Scene
     targets: NDArray[np.int64]
+    trained: int
     view_features: NDArray[np.float32]
     target_features: NDArray[np.float32]
     target_codes: NDArray[np.float32]
@@ -41,6 +43,16 @@ class Sightings:
     def names(self) -> tuple[str, ...]:
         """Names of the targets."""
         return tuple(self.scene.target_names[index] for index in self.targets)
+
+    @property
+    def trained_pictures(self) -> list[int]:
+        """Numbers of the pictures that training uses."""
+        return list(range(self.trained))
+
+    @property
+    def held_out_pictures(self) -> list[int]:
+        """Numbers of the pictures that training never sees; none if the scene holds none out."""
+        return list(range(self.trained, self.scores.shape[2]))
 
     def observations(self, threshold: float, pictures: Sequence[int]) -> Observations:
         """What a policy is shown when searches use these pictures."""
@@ -69,13 +81,30 @@ def see_everywhere(
         SceneError: if the scene has no such target.
     """
     targets = np.array([scene.target_index(name) for name in names or scene.target_names])
+    pictures, trained = even_pictures([scene.targets[target] for target in targets])
+    wanted = (targets[:, None], pictures)
+    chosen = replace(
+        features,
+        target_maps=features.target_maps[wanted],
+        target_features=features.target_features[wanted],
+        picture_counts=np.full(len(targets), pictures.shape[1]),
+    )
     with progress_bar(f"looking in {scene.name}") as report:
-        scores, boxes = detect_table(recogniser, features, targets, report)
-    codes = np.stack([recogniser.encode_target(features.target_maps[target]) for target in targets])
-    pictures = features.target_features[targets]
-    return Sightings(scene, targets, features.view_features, pictures, codes, scores, boxes)
+        scores, boxes = detect_table(recogniser, chosen, progress=report)
+    codes = np.stack([recogniser.encode_target(maps) for maps in chosen.target_maps])
+    return Sightings(scene, targets, trained, features.view_features, chosen.target_features, codes, scores, boxes)
 
 
-def picture_split(pictures: int, held_out: int) -> tuple[list[int], list[int]]:
-    """Numbers of the pictures that training uses, and of the last ones, which it never sees."""
-    return list(range(pictures - held_out)), list(range(pictures - held_out, pictures))
+def even_pictures(targets: Sequence[Target]) -> tuple[NDArray[np.int64], int]:
+    """Numbers of pictures of some targets such that all have equally many of each side of the split.
+
+    Where a target has more pictures to train with, or more that are held out, than another, its further ones of that
+    side are left out; none changes sides.
+
+    Returns:
+        (T, K) numbers of each target's pictures, and how many of the K, the first ones, may be trained with.
+    """
+    trained = min(target.trained for target in targets)
+    held_out = min(target.held_out for target in targets)
+    rows = [[*range(trained), *range(target.trained, target.trained + held_out)] for target in targets]
+    return np.array(rows, np.int64), trained

@@ -14,12 +14,13 @@ import numpy as np
 
 from active_perceiver import __version__
 from active_perceiver.errors import UserError
-from active_perceiver.experiments.assembling import agent_config, held_out_pictures, save_pictures
+from active_perceiver.experiments.assembling import agent_config, save_pictures
 from active_perceiver.experiments.evaluating import measure_agent
 from active_perceiver.experiments.model_card import write_card
 from active_perceiver.experiments.result import write_result
+from active_perceiver.experiments.searched import check_targets, check_taught, searched_targets
 from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
-from active_perceiver.experiments.sightings import Sightings, picture_split, see_everywhere
+from active_perceiver.experiments.sightings import Sightings, see_everywhere
 from active_perceiver.files import OutputExistsError, replacing
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies import LEARNERS, learner_named
@@ -36,39 +37,56 @@ from active_perceiver.vision.cache import SceneFeatures, scene_features
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """What training works on: the scenes and their features."""
+    """What training works on.
+
+    Attributes:
+        backbone: of the features.
+        scenes: where is searched.
+        features: of each of them.
+        taught: what the recogniser is trained on; the same scenes unless the settings name others.
+        taught_features: of each of those.
+    """
 
     backbone: Backbone
     scenes: tuple[Scene, ...]
     features: tuple[SceneFeatures, ...]
+    taught: tuple[Scene, ...]
+    taught_features: tuple[SceneFeatures, ...]
 
 
 def prepare(settings: TrainSettings) -> Material:
     """Open the scenes and compute, or find in the cache, their features.
 
     Raises:
-        UserError: if a scene, a target or the backbone is not to be had, or two scenes have the same name.
+        UserError: if a scene, a target or the backbone is not to be had, two scenes have the same name, or the
+            recogniser would be trained with pictures that the scenes hold out.
     """
-    scenes = tuple(open_scene(source) for source in settings.scenes)
+    scenes = _open_scenes(settings.scenes)
+    check_targets(scenes, settings.targets)
+    taught = _open_scenes(settings.recogniser_scenes) if settings.recogniser_scenes else scenes
+    if taught is not scenes:
+        for note in check_taught(scenes, taught, settings.targets):
+            console.print(f"note: {note}", highlight=False)
+    with console.status(f"backbone {settings.backbone}; the first time it is converted, which takes half a minute"):
+        backbone = load_backbone(settings.backbone, image_size=settings.image_size)
+    features = _features(scenes, backbone)
+    return Material(backbone, scenes, features, taught, features if taught is scenes else _features(taught, backbone))
+
+
+def _open_scenes(sources: Sequence[str]) -> tuple[Scene, ...]:
+    scenes = tuple(open_scene(source) for source in sources)
     names = [scene.name for scene in scenes]
     if not names or len(set(names)) != len(names):
         raise UserError(f"training needs scenes of different names, at least one; got {names}")
-    unknown = [name for name in settings.targets if not any(name in scene.target_names for scene in scenes)]
-    if unknown:
-        known = ", ".join(sorted({name for scene in scenes for name in scene.target_names}))
-        raise UserError(f"no scene has the target {', '.join(unknown)}; there are {known}")
-    for scene in scenes:
-        if settings.targets and not set(settings.targets) & set(scene.target_names):
-            raise UserError(
-                f"scene '{scene.name}' has none of the targets {', '.join(settings.targets)}; leave it out"
-            )
-    with console.status(f"backbone {settings.backbone}; the first time it is converted, which takes half a minute"):
-        backbone = load_backbone(settings.backbone, image_size=settings.image_size)
+    return scenes
+
+
+def _features(scenes: Sequence[Scene], backbone: Backbone) -> tuple[SceneFeatures, ...]:
     features = []
     for scene in scenes:
         with progress_bar(f"features of {scene.name}") as report:
             features.append(scene_features(scene, backbone, report))
-    return Material(backbone, scenes, tuple(features))
+    return tuple(features)
 
 
 def train_agent(settings: TrainSettings, out: Path, *, force: bool = False, resume: bool = False) -> dict[str, Any]:
@@ -105,7 +123,7 @@ def train_agent(settings: TrainSettings, out: Path, *, force: bool = False, resu
     history = _policy_stage(settings, sightings, recogniser, work, seconds)
     held_out_views = recogniser_metrics.pop("held_out_views")
     agent_config(settings, material.backbone, sightings, recogniser, held_out_views).save(work)
-    save_pictures(sightings, work, held_out_pictures(settings))
+    save_pictures(sightings, work)
     agent = ActivePerceiver.from_pretrained(work)
     with console.status("measuring"):
         body = measure_agent(agent, sightings, EvaluateSettings(seed=settings.seed))
@@ -167,8 +185,8 @@ def _train_recogniser(settings: TrainSettings, material: Material) -> TrainedRec
         config = replace(config, steps=settings.recogniser_steps)
     with progress_bar(f"{settings.recogniser} recogniser") as report:
         return train_recogniser(
-            material.scenes,
-            material.features,
+            material.taught,
+            material.taught_features,
             config,
             lambda step, total, loss: report(step, total, f"loss {loss:.3f}"),
         )
@@ -193,15 +211,22 @@ def _recogniser_stage(
     if not done.is_file():
         trained = _train_recogniser(settings, material)
         trained.save(work)
-        held_out = {
-            scene.name: np.flatnonzero(views).tolist()
-            for scene, views in zip(material.scenes, trained.validation_views, strict=True)
-        }
+        held_out = _held_out_views(material, trained)
         with replacing(done) as temporary:
             temporary.write_text(json.dumps({**_recogniser_figures(trained), "held_out_views": held_out}))
     figures = json.loads(done.read_text())
     seconds["recogniser"] = figures["seconds"]
     return figures
+
+
+def _held_out_views(material: Material, trained: TrainedRecogniser) -> dict[str, list[int]]:
+    """For each scene, by name, the views that the recogniser was not trained on: all, if it was trained elsewhere."""
+    taught = zip(material.taught, trained.validation_views, strict=True)
+    held_out = {scene.content_hash: views for scene, views in taught}
+    return {
+        scene.name: np.flatnonzero(held_out.get(scene.content_hash, np.ones(len(scene)))).tolist()
+        for scene in material.scenes
+    }
 
 
 def _see_all(
@@ -210,9 +235,7 @@ def _see_all(
     started = time.monotonic()
     sightings = []
     for scene, features in zip(material.scenes, material.features, strict=True):
-        wanted = [name for name in settings.targets if name in scene.target_names]
-        seen = [name for index, name in enumerate(scene.target_names) if scene.areas[:, index].any()]
-        sightings.append(see_everywhere(scene, features, recogniser, wanted or seen))
+        sightings.append(see_everywhere(scene, features, recogniser, searched_targets(scene, settings.targets)))
     seconds["detections"] = time.monotonic() - started
     return sightings
 
@@ -228,13 +251,12 @@ def _policy_stage(
     from active_perceiver.policies.export import export_policy, save_network
 
     config = _learner_config(settings)
-    pictures, _ = picture_split(sightings[0].scores.shape[2], held_out_pictures(settings))
     problems = []
     for seen in sightings:
         task = SearchTask.from_scene(seen.scene, seen.names, settings.rank)
         for warning in task.warnings:
             console.print(f"note: {warning}", highlight=False)
-        problems.append(Problem(task, seen.observations(recogniser.threshold, pictures)))
+        problems.append(Problem(task, seen.observations(recogniser.threshold, seen.trained_pictures)))
     started = time.monotonic()
     with progress_bar(f"policy by {settings.learner}") as report:
         network, history = LEARNERS[settings.learner].train(

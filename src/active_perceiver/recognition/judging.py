@@ -14,7 +14,8 @@ from active_perceiver.recognition.pairs import ABSENT, PRESENT, UNJUDGED, Annota
 
 # Pairs that are judged together.
 PAIRS = 128
-# Pictures of each target that it is asked for with, at most, in each measurement.
+# Pictures of each target that it is asked for with, at most, in each measurement, spread over all there are: pictures
+# that follow one another are alike.
 PICTURES = 2
 
 
@@ -37,12 +38,18 @@ def _questions(data: Annotations, split: Split) -> dict[str, tuple[NDArray[np.in
     seen, unseen, unknown = [], [], []
     for target, (count, trained) in enumerate(zip(data.pictures, split.seen_pictures, strict=True)):
         if split.targets[target]:
-            unknown += [(target, picture) for picture in range(min(PICTURES, count))]
+            unknown += [(target, picture) for picture in _spread(0, count)]
         else:
-            seen += [(target, picture) for picture in range(min(PICTURES, trained))]
-            unseen += [(target, picture) for picture in range(trained, min(trained + PICTURES, count))]
+            seen += [(target, picture) for picture in _spread(0, trained)]
+            unseen += [(target, picture) for picture in _spread(trained, count)]
     questions = {"seen pictures": seen, "unseen pictures": unseen, "unknown targets": unknown}
     return {name: (np.array(rows)[:, 0], np.array(rows)[:, 1]) for name, rows in questions.items() if rows}
+
+
+def _spread(start: int, stop: int) -> list[int]:
+    """Up to `PICTURES` numbers from start to stop - 1, evenly spread."""
+    chosen = min(PICTURES, stop - start)
+    return [start + number * (stop - start) // chosen for number in range(chosen)]
 
 
 def judge_split(

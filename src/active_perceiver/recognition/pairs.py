@@ -23,6 +23,7 @@ class Annotations:
         states: (V, T) int8: PRESENT, ABSENT, or UNJUDGED, that is too small to tell or of another scene.
         names: (T,) "scene/target".
         pictures: (T,) number of pictures of each target.
+        held_out: (T,) how many of them, the last ones, are never trained with.
         places: (V,) int64, the same for views taken at the same place of the same scene.
     """
 
@@ -30,6 +31,7 @@ class Annotations:
     states: NDArray[np.int8]
     names: NDArray[np.str_]
     pictures: NDArray[np.int64]
+    held_out: NDArray[np.int64]
     places: NDArray[np.int64]
 
     @classmethod
@@ -51,8 +53,9 @@ class Annotations:
             places[rows] = before + scene.positions
             before += int(scene.positions.max(initial=-1)) + 1
         names = [f"{scene.name}/{target.name}" for scene in scenes for target in scene.targets]
-        pictures = [len(target.pictures) for scene in scenes for target in scene.targets]
-        return cls(boxes, states, np.array(names, np.str_), np.array(pictures, np.int64), places)
+        pictures = [(len(target.pictures), target.held_out) for scene in scenes for target in scene.targets]
+        count, held_out = np.array(pictures, np.int64).reshape(-1, 2).T
+        return cls(boxes, states, np.array(names, np.str_), count, held_out, places)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +73,10 @@ class Split:
     seen_pictures: NDArray[np.int64]
 
     @classmethod
-    def of(
-        cls, data: Annotations, places: float, pictures: int, targets: Sequence[str], rng: np.random.Generator
-    ) -> Split:
-        """Hold out a fraction of the places, the last pictures of each target, and some targets by name.
+    def of(cls, data: Annotations, places: float, targets: Sequence[str], rng: np.random.Generator) -> Split:
+        """Hold out a fraction of the places, the pictures that the scenes say, and some targets by name.
 
-        A target with no more than `pictures` pictures keeps them all for training; where there are two places or
-        more, one at least is held out and one kept.
+        Where there are two places or more, one at least is held out and one kept.
 
         Raises:
             RecogniserError: if there is no target of one of the names.
@@ -89,7 +89,7 @@ class Split:
         return cls(
             views=np.isin(data.places, rng.permutation(known)[:count]),
             targets=np.isin(short_names, targets),
-            seen_pictures=np.where(data.pictures > pictures, data.pictures - pictures, data.pictures),
+            seen_pictures=data.pictures - data.held_out,
         )
 
 

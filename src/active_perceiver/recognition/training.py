@@ -52,8 +52,6 @@ class RecogniserConfig:
     """Standard deviation of the noise on features, as a fraction of their own."""
     held_out_places: float = 0.2
     """Fraction of the places whose views are kept for judging."""
-    held_out_pictures: int = 2
-    """Number of pictures of each target, the last ones, that are kept for judging."""
     held_out_targets: tuple[str, ...] = ()
     """Names of targets not to train on, to see what it makes of things it does not know."""
     smallest_area: float = SMALLEST_AREA
@@ -72,10 +70,8 @@ class RecogniserConfig:
             raise RecogniserError(f"the optimiser is adamw or sgd, not '{self.optimiser}'")
         if min(self.steps, self.views, self.targets, 1 if self.threads is None else self.threads) < 1:
             raise RecogniserError("steps, views, targets and threads must be at least 1")
-        if not (0.0 <= self.held_out_places < 1.0 and 0.0 <= self.present <= 1.0 and self.held_out_pictures >= 0):
-            raise RecogniserError(
-                "held_out_places must be in 0..1 (not 1), present in 0..1, held_out_pictures 0 or more"
-            )
+        if not (0.0 <= self.held_out_places < 1.0 and 0.0 <= self.present <= 1.0):
+            raise RecogniserError("held_out_places must be in 0..1 (not 1), present in 0..1")
 
 
 CONFIGS: dict[str, RecogniserConfig] = {
@@ -125,7 +121,7 @@ def train_recogniser(
     config: RecogniserConfig | None = None,
     progress: Progress | None = None,
 ) -> TrainedRecogniser:
-    """Train on all annotated targets of some scenes.
+    """Train on all annotated targets of some scenes; the scenes say which of their pictures are kept for judging.
 
     Args:
         scenes: with boxes and target pictures.
@@ -170,7 +166,7 @@ def _train(
 ) -> TrainedRecogniser:
     rng = np.random.default_rng(config.seed)
     data = Annotations.of(scenes, config.smallest_area)
-    split = Split.of(data, config.held_out_places, config.held_out_pictures, config.held_out_targets, rng)
+    split = Split.of(data, config.held_out_places, config.held_out_targets, rng)
     sampler = PairSampler(data, split, config.present, rng)
     network = RECOGNISERS[config.kind](features[0].view_maps.shape[1:])
     network.fit(_sample_of_views(features, split, rng))
@@ -179,13 +175,18 @@ def _train(
     most = max(feature.target_maps.shape[1] for feature in features)
     pictures = torch.cat(
         [
-            _prepared(network.prepare_target, np.take(maps, np.arange(most) % maps.shape[1], 0))
+            _prepared(network.prepare_target, np.take(maps, np.arange(most) % len(maps), 0))
             for f in features
             for maps in f.target_maps
         ]
     ).unflatten(0, (-1, most))
 
-    _optimise(network.train(), views, pictures, sampler, config, progress)
+    # What is held out does not even say how strong the noise is.
+    trained_pictures = torch.from_numpy(np.arange(most) < split.seen_pictures[:, None])
+    spreads = (views[torch.from_numpy(~split.views)], pictures[trained_pictures])
+    noise = tuple(config.noise * float(table.float().std()) for table in spreads)
+    del spreads
+    _optimise(network.train(), views, pictures, noise, sampler, config, progress)
     network.eval()
     threshold, metrics = judge_split(network, views, pictures, data, split, config.most_false)
     ends = np.cumsum([len(scene) for scene in scenes])[:-1]
@@ -204,6 +205,7 @@ def _optimise(
     network: RecogniserNetwork,
     views: Tensor,
     pictures: Tensor,
+    noise: tuple[float, ...],
     sampler: PairSampler,
     config: RecogniserConfig,
     progress: Progress | None,
@@ -218,14 +220,13 @@ def _optimise(
     else:
         optimiser = torch.optim.SGD(weights, rate, momentum=0.9, weight_decay=decay)
         schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, config.steps)
-    view_noise, picture_noise = (config.noise * float(table.float().std()) for table in (views, pictures))
     mean_loss = float("nan")
     for step in range(1, config.steps + 1):
         batch = sampler.draw(config.views, config.targets)
         shown = views[torch.from_numpy(batch.views)].float()
         asked = pictures[torch.from_numpy(batch.targets), torch.from_numpy(batch.pictures)].float().flatten(0, 1)
-        shown += view_noise * torch.randn_like(shown)
-        asked += picture_noise * torch.randn_like(asked)
+        shown += noise[0] * torch.randn_like(shown)
+        asked += noise[1] * torch.randn_like(asked)
         codes = network.encode_target(asked).unflatten(0, batch.targets.shape)
         judged = network.judge(network.encode_view(shown), codes)
         states = torch.from_numpy(batch.states).flatten()

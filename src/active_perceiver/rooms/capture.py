@@ -4,69 +4,57 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.files import OutputExistsError
-from active_perceiver.progress import Report, progress_bar, quiet
+from active_perceiver.progress import Report, quiet
 from active_perceiver.rooms.camera import render
+from active_perceiver.rooms.camera_faults import view_rng, with_faults
+from active_perceiver.rooms.capture_settings import CaptureError, CaptureSettings
+from active_perceiver.rooms.capture_store import CaptureStore
+from active_perceiver.rooms.compiled import compile_room
 from active_perceiver.rooms.free_space import free_positions, without_collisions
-from active_perceiver.rooms.layouts import make_room
 from active_perceiver.rooms.lighting import BakedRoom, bake
 from active_perceiver.rooms.room import Room
-from active_perceiver.rooms.studio import SETUPS, TargetError, studio_pictures
+from active_perceiver.rooms.studio import HELD_OUT, SETUPS, TargetError, studio_pictures
 from active_perceiver.rooms.workers import run_parallel
 from active_perceiver.scenes.images import encode_image
-from active_perceiver.scenes.lattice import EIGHT_ACTIONS, lattice_poses, lattice_transitions
+from active_perceiver.scenes.lattice import lattice_poses, lattice_transitions
 from active_perceiver.scenes.scene import FloorPlan, Scene, Target
-from active_perceiver.scenes.storage import save_scene
 
 HEADINGS = (0.0, 90.0, 180.0, 270.0)
 # An object that covers less of the picture than this cannot be recognised by anyone.
 SMALLEST_VISIBLE = 0.0005
+LIGHT = "light"
 
 Stage = Callable[[str], AbstractContextManager[Report]]
 
 
-@dataclass(frozen=True)
-class CaptureSettings:
-    """How a room is cut into states and photographed.
+@dataclass(eq=False)
+class _Studio:
+    """What a process needs for every picture; it reads the light from the store when it takes its first view."""
 
-    Attributes:
-        spacing: metres between neighbouring positions, and moved by one action.
-        robot_radius: metres.
-        camera_height: metres above the floor.
-        tilts: degrees, evenly spaced; positive looks up.
-        image_size: side of the views in pixels.
-        fov: field of view in degrees.
-        samples: rays per pixel, a square number.
-        bake_rays: rays per vertex of the light's computation.
-        bounces: how often light is passed on.
-        webp_quality: of the encoded views, 0..100.
-    """
-
-    spacing: float = 0.35
-    robot_radius: float = 0.2
-    camera_height: float = 1.25
-    tilts: tuple[float, ...] = (-30.0, 0.0, 30.0)
-    image_size: int = 300
-    fov: float = 75.0
-    samples: int = 4
-    bake_rays: int = 96
-    bounces: int = 4
-    webp_quality: int = 88
-
-
-@dataclass(frozen=True, eq=False)
-class _Job:
-    """What a worker needs for every view."""
-
-    baked: BakedRoom
+    room: Room
     settings: CaptureSettings
-    targets: tuple[str, ...]
+    seed: int
+    store: CaptureStore
+
+    @cached_property
+    def baked(self) -> BakedRoom:
+        arrays = self.store.loaded(LIGHT)
+        light: dict[str, Any] = {name: array if array.ndim else array.item() for name, array in arrays.items()}
+        surfaces = compile_room(self.room)
+        if len(light["total"]) != len(surfaces.positions):
+            raise CaptureError(
+                f"{self.store.folder} holds the light of another room; begin anew with --force, without --resume"
+            )
+        return BakedRoom(room=self.room, surfaces=surfaces, **light)
 
 
 def _silent(label: str) -> AbstractContextManager[Report]:
@@ -80,56 +68,97 @@ def capture(
     seed: int = 0,
     workers: int | None = None,
     progress: Stage = _silent,
+    store: CaptureStore | None = None,
 ) -> Scene:
     """Photograph a room from every pose of a lattice, and its targets alone.
 
-    The same room, settings and seed give byte-identical pictures, however many workers there are.
+    The same room, settings and seed give byte-identical pictures, however many workers there are and however often
+    the work was interrupted.
 
     Args:
         room: what to photograph.
-        settings: how; the defaults are those of the bundled scenes.
-        seed: of the light's randomness.
+        settings: how; the defaults are those of the bundled rooms.
+        seed: of the light's randomness, the camera's faults and the target pictures.
         workers: processes; None for one a core.
-        progress: opens a progress bar for each of the three stages.
+        progress: opens a progress bar for each of the three stages: "light", "views", "target pictures".
+        store: where finished work is kept, and looked for; a temporary folder if None.
 
     Raises:
-        FreeSpaceError: if the robot finds no place in the room.
+        FreeSpaceError: if the robot finds no place in the room, or not as many as wanted.
         TargetError: if the room lists targets it does not hold, or none.
         WorkerError: if a rendering process was killed.
     """
     settings = settings or CaptureSettings()
     _check_targets(room)
-    positions = free_positions(room, settings.spacing, settings.robot_radius)
+    if store is None:
+        with TemporaryDirectory(prefix="active-perceiver-") as folder:
+            own = CaptureStore(Path(folder))
+            return capture(room, settings, seed=seed, workers=workers, progress=progress, store=own)
+    positions = free_positions(room, settings.spacing, settings.robot_radius, settings.places)
     poses = lattice_poses(positions, HEADINGS, settings.tilts)
-    transitions = lattice_transitions(poses, EIGHT_ACTIONS, settings.spacing)
+    transitions = lattice_transitions(poses, settings.actions, settings.spacing)
     polygons = [polygon for _, polygon in room.obstacles]
     transitions = without_collisions(poses, transitions, polygons, settings.robot_radius)
+    studio = _Studio(room, settings, seed, store)
     with progress("light") as report:
-        baked = bake(room, settings.bake_rays, settings.bounces, seed, report)
-    names = tuple(room.targets)
+        if store.load(LIGHT) is None:
+            _keep_light(bake(room, settings.bake_rays, settings.bounces, seed, report), store)
+    views = [f"view-{state:05}" for state in range(len(poses))]
     with progress("views") as report:
-        views = run_parallel(_photograph, _Job(baked, settings, names), poses.tolist(), workers, report)
-    del baked
+        _do_missing(_photograph, studio, views, poses.tolist(), workers, report)
+    alone = [(name, setup) for name in room.targets for setup in range(SETUPS)]
+    pictures = [f"target-{number // SETUPS:03}-{number % SETUPS}" for number in range(len(alone))]
     with progress("target pictures") as report:
-        jobs = [(name, setup) for name in names for setup in range(SETUPS)]
-        pictures = run_parallel(_photograph_alone, (room, settings, seed), jobs, workers, report)
+        _do_missing(_photograph_alone, studio, pictures, alone, workers, report)
     targets = []
-    for row, name in enumerate(names):
-        of_target = [picture for setup in pictures[row * SETUPS : (row + 1) * SETUPS] for picture in setup]
-        targets.append(Target(name, tuple(of_target), room.targets[name]))
+    for row, (name, category) in enumerate(room.targets.items()):
+        of_target = [
+            blob.tobytes()
+            for key in pictures[row * SETUPS : (row + 1) * SETUPS]
+            for _, blob in sorted(store.loaded(key).items())
+        ]
+        targets.append(Target(name, tuple(of_target), category, HELD_OUT))
+    seen = [store.loaded(key) for key in views]
     return Scene(
         name=room.name,
-        actions=EIGHT_ACTIONS,
-        views=tuple(view for view, _ in views),
+        actions=settings.actions,
+        views=tuple(view["image"].tobytes() for view in seen),
         poses=poses,
         transitions=transitions,
-        boxes=np.stack([boxes for _, boxes in views]),
+        boxes=np.stack([view["boxes"] for view in seen]),
         targets=tuple(targets),
         image_size=settings.image_size,
         fov=settings.fov,
         source=f"active-perceiver room {room.name}, rendered with Embree",
         floor_plan=_floor_plan(room),
     )
+
+
+def _keep_light(baked: BakedRoom, store: CaptureStore) -> None:
+    """Keep what was baked; the surfaces follow from the room."""
+    names = [field.name for field in fields(baked) if field.name not in ("room", "surfaces")]
+    store.save(LIGHT, **{name: np.asarray(getattr(baked, name)) for name in names})
+
+
+def _do_missing(
+    work: Callable[[_Studio, tuple[str, Any]], None],
+    studio: _Studio,
+    keys: Sequence[str],
+    jobs: Sequence[Any],
+    workers: int | None,
+    report: Report,
+) -> None:
+    """Do those pieces of work that the store does not hold; the processes write them there themselves."""
+    missing = studio.store.missing(keys)
+    before = len(keys) - len(missing)
+    if missing:
+        run_parallel(
+            work,
+            studio,
+            [(keys[number], jobs[number]) for number in missing],
+            workers,
+            lambda done, total, note="": report(before + done, len(keys), note),
+        )
 
 
 def _floor_plan(room: Room) -> FloorPlan:
@@ -139,37 +168,6 @@ def _floor_plan(room: Room) -> FloorPlan:
     return FloorPlan(
         outline, tuple((label, np.clip(polygon, 0, (width, depth))) for label, polygon in room.obstacles)
     )
-
-
-def render_scene(
-    layout: str,
-    seed: int,
-    out: Path,
-    *,
-    force: bool = False,
-    workers: int | None = None,
-    settings: CaptureSettings | None = None,
-) -> Scene:
-    """Furnish a room, photograph it and write the scene file.
-
-    Args:
-        layout: kind of room, a name in `layouts.LAYOUTS`.
-        seed: the room and every picture follow from it.
-        out: the scene file; written only when everything is done.
-        force: replace an existing file.
-        workers: processes; None for one a core.
-        settings: see `CaptureSettings`.
-
-    Raises:
-        LayoutError: if there is no such layout, or the seed is below 1.
-        OutputExistsError: if the file exists and `force` is false.
-    """
-    if out.exists() and not force:
-        # Better now than after minutes of rendering.
-        raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
-    scene = capture(make_room(layout, seed), settings, seed=seed, workers=workers, progress=progress_bar)
-    save_scene(scene, out, force=force)
-    return scene
 
 
 def boxes_from_mask(mask: NDArray[np.int32], objects: Sequence[int]) -> NDArray[np.float32]:
@@ -206,20 +204,25 @@ def _check_targets(room: Room) -> None:
         raise TargetError(f"room '{room.name}' has no targets; there would be nothing to search")
 
 
-def _photograph(job: _Job, pose: Sequence[float]) -> tuple[bytes, NDArray[np.float32]]:
+def _photograph(studio: _Studio, job: tuple[str, Sequence[float]]) -> None:
     """One view, encoded, and its boxes."""
+    key, pose = job
     x, y, heading, tilt = pose
-    settings = job.settings
-    rendering = render(
-        job.baked, (x, y, settings.camera_height), heading, tilt, settings.image_size, settings.fov, settings.samples
-    )
-    objects = [job.baked.object_names.index(name) for name in job.targets]
-    image = encode_image(rendering.image, quality=settings.webp_quality)
-    return image, boxes_from_mask(rendering.mask, objects)
+    settings, baked = studio.settings, studio.baked
+    position = (x, y, settings.camera_height)
+    rendering = render(baked, position, heading, tilt, settings.image_size, settings.fov, settings.samples)
+    image = rendering.image
+    if settings.faults is not None:
+        image = with_faults(image, settings.faults, view_rng(studio.seed, pose))
+    objects = [baked.object_names.index(name) for name in studio.room.targets]
+    blob = encode_image(image, quality=settings.webp_quality)
+    studio.store.save(key, image=np.frombuffer(blob, np.uint8), boxes=boxes_from_mask(rendering.mask, objects))
 
 
-def _photograph_alone(shared: tuple[Room, CaptureSettings, int], job: tuple[str, int]) -> list[bytes]:
-    room, settings, seed = shared
-    target, setup = job
-    pictures = studio_pictures(room, target, setup, seed, settings.image_size)
-    return [encode_image(picture, quality=settings.webp_quality) for picture in pictures]
+def _photograph_alone(studio: _Studio, job: tuple[str, tuple[str, int]]) -> None:
+    """The pictures of one target in one setup, encoded."""
+    key, (target, setup) = job
+    settings = studio.settings
+    pictures = studio_pictures(studio.room, target, setup, studio.seed, settings.image_size)
+    blobs = [encode_image(picture, quality=settings.webp_quality) for picture in pictures]
+    studio.store.save(key, **{f"picture{row:02}": np.frombuffer(blob, np.uint8) for row, blob in enumerate(blobs)})

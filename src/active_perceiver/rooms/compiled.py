@@ -13,6 +13,7 @@ from active_perceiver.rooms.raycast import Hits, RayCaster
 from active_perceiver.rooms.room import Part, Room
 from active_perceiver.rooms.tessellation import tessellate
 from active_perceiver.rooms.texture_lookup import TextureAtlas
+from active_perceiver.rooms.vectors import dot, put, rows
 
 # Parts with more surface than this carry visible gradients of light and are cut finely; square metres.
 LARGE_AREA = 0.3
@@ -79,6 +80,19 @@ class Surfaces:
         """(V, 5): side by side they are interpolated in one go."""
         return np.hstack([self.normals, self.uvs])
 
+    @cached_property
+    def uv_gradients(self) -> NDArray[np.float32]:
+        """(F, 6) uv units per metre: how u, then v, grow along x, y and z within each triangle."""
+        corners, uvs = self.positions[self.faces], self.uvs[self.faces]
+        first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        across = np.cross(first, second)
+        across /= np.maximum(dot(across, across), 1e-18)[:, None]
+        # What grows by 1 along one edge of the triangle and by 0 along the other.
+        along_first, along_second = np.cross(second, across), np.cross(across, first)
+        rise_first, rise_second = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
+        gradients = [along_first * rise_first[:, [k]] + along_second * rise_second[:, [k]] for k in range(2)]
+        return np.hstack(gradients).astype(np.float32)
+
     def __getstate__(self) -> dict[str, Any]:
         """What travels to another process: not Embree's scenes, they are built anew there."""
         return {key: value for key, value in self.__dict__.items() if not key.endswith("caster")}
@@ -86,20 +100,22 @@ class Surfaces:
     def interpolate(self, values: NDArray[np.float32], hits: Hits) -> NDArray[np.float32]:
         """Values given per vertex (V, K) at the points hit, (N, K). Every ray must have hit something."""
         corners = np.take(self.faces, hits.triangle, axis=0)
-        result = np.take(values, corners[:, 0], axis=0) * (1 - hits.u - hits.v)[:, None]
-        result += np.take(values, corners[:, 1], axis=0) * hits.u[:, None]
-        result += np.take(values, corners[:, 2], axis=0) * hits.v[:, None]
-        return result
+        result = np.zeros((values.shape[1], len(corners)), np.float32)
+        for corner, weight in zip(corners.T, (1 - hits.u - hits.v, hits.u, hits.v), strict=True):
+            for column, value in zip(result, np.take(values, corner, axis=0).T, strict=True):
+                column += value * weight
+        return result.T
 
     def base_colour(
         self, part: NDArray[np.int32], uv: NDArray[np.float32], footprint: NDArray[np.float32]
     ) -> NDArray[np.float32]:
         """Base colour (N, 3) of parts at texture coordinates; `footprint` (N,) as in `TextureAtlas.sample`."""
-        colour = np.take(self.parts.colour, part, axis=0)
+        colour = rows(self.parts.colour, part)
         texture = self.parts.texture[part]
         textured = np.flatnonzero(texture >= 0)
         if len(textured):
-            colour[textured] *= self.atlas.sample(texture[textured], uv[textured], footprint[textured])
+            texel = self.atlas.sample(texture[textured], rows(uv, textured), footprint[textured])
+            put(colour, textured, rows(colour, textured) * texel)
         return colour
 
 

@@ -20,7 +20,9 @@ class FreeSpaceError(UserError, ValueError):
     """A room in which the robot finds no place."""
 
 
-def free_positions(room: Room, spacing: float = 0.35, radius: float = 0.2) -> NDArray[np.float64]:
+def free_positions(
+    room: Room, spacing: float = 0.35, radius: float = 0.2, places: int | None = None
+) -> NDArray[np.float64]:
     """Positions of a square lattice a robot can stand on and reach from each other.
 
     The lattice is laid where it has most positions; of several islands only the largest is kept.
@@ -29,12 +31,13 @@ def free_positions(room: Room, spacing: float = 0.35, radius: float = 0.2) -> ND
         room: its walls and obstacles.
         spacing: metres between neighbours.
         radius: of the robot, metres; nothing comes closer to its centre.
+        places: keep only this many, those around the middle that can be reached from each other; None for all.
 
     Returns:
         (P, 2) x, y in metres.
 
     Raises:
-        FreeSpaceError: if there is no free position, or spacing or radius are not positive.
+        FreeSpaceError: if there is no free position, or fewer than `places`, or spacing or radius are not positive.
     """
     if not (spacing > 0 and radius > 0):
         raise FreeSpaceError(f"spacing and robot radius must be positive, got {spacing} and {radius}")
@@ -56,16 +59,41 @@ def free_positions(room: Room, spacing: float = 0.35, radius: float = 0.2) -> ND
         raise FreeSpaceError(
             f"room '{room.name}' has no free position for a robot of radius {radius} m; use a smaller radius"
         )
-    return best
+    if places is None:
+        return best
+    if places > len(best):
+        raise FreeSpaceError(
+            f"room '{room.name}' has {len(best)} positions {spacing:g} m apart, not {places}; ask for fewer places "
+            "or a smaller spacing"
+        )
+    return best[_around_the_middle(best, _moves(best, polygons, spacing, radius), places)]
 
 
 def _largest_island(
     positions: NDArray[np.float64], polygons: Sequence[NDArray[np.float64]], spacing: float, radius: float
 ) -> NDArray[np.float64]:
+    return positions[islands(_moves(positions, polygons, spacing, radius)) == 0]
+
+
+def _moves(
+    positions: NDArray[np.float64], polygons: Sequence[NDArray[np.float64]], spacing: float, radius: float
+) -> NDArray[np.int32]:
+    """Where each of `_MOVES` leads from each position, (P, 4); its own number where the move is blocked."""
     poses = np.hstack([positions, np.zeros((len(positions), 2))])
-    transitions = lattice_transitions(poses, _MOVES, spacing)
-    transitions = without_collisions(poses, transitions, polygons, radius)
-    return positions[islands(transitions) == 0]
+    return without_collisions(poses, lattice_transitions(poses, _MOVES, spacing), polygons, radius)
+
+
+def _around_the_middle(positions: NDArray[np.float64], moves: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+    """Numbers of `count` connected positions, in ascending order.
+
+    They grow from the position nearest the middle of all, each time by the neighbour nearest to the middle.
+    """
+    distance = np.linalg.norm(positions - positions.mean(axis=0), axis=1).round(6)
+    chosen = {int(distance.argmin())}
+    while len(chosen) < count:
+        edge = {int(place) for place in moves[sorted(chosen)].ravel()} - chosen
+        chosen.add(min(edge, key=lambda place: (distance[place], place)))
+    return np.array(sorted(chosen))
 
 
 def without_collisions(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from active_perceiver.rooms.geometry import Vector
 from active_perceiver.rooms.pieces import Pieces, bounds, footprint, placed
 from active_perceiver.rooms.room import Part
+from active_perceiver.rooms.walls import Wall
 
 # Things rest this far above what they lie on: touching faces would flicker and be baked black. Metres.
 LIFT = 0.0008
@@ -24,11 +26,12 @@ def stream(seed: int, label: str) -> np.random.Generator:
 
 
 class RoomBuilder:
-    """Collects a room's parts and obstacles."""
+    """Collects a room's parts and obstacles, and where its walls have no skirting board."""
 
     def __init__(self) -> None:
         self.parts: list[Part] = []
         self.obstacles: list[tuple[str, NDArray[np.float64]]] = []
+        self._bare: dict[str, list[tuple[float, float]]] = {}
 
     def add(
         self,
@@ -49,34 +52,46 @@ class RoomBuilder:
         (x0, y0), (x1, y1) = low, high
         self.obstacles.append((name, np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])))
 
+    def bare(self, wall: Wall, start: float, end: float) -> None:
+        """A door or a fitted cabinet stands at a wall: no skirting board from `start` to `end` along it, metres."""
+        self._bare.setdefault(wall.name, []).append((start, end))
+
+    def bare_stretches(self, wall: Wall) -> list[tuple[float, float]]:
+        """Where a wall has no skirting board."""
+        return self._bare.get(wall.name, [])
+
 
 @dataclass(frozen=True)
 class Ledge:
-    """A strip of a table, counter, shelf or sill on which things stand in one row, none behind another.
+    """A straight line on a surface along which things may stand in a row.
 
     Attributes:
-        name: for tables of what may stand where; its first word names the piece of furniture.
-        start: (x, y) of one end of its middle line, metres.
+        furniture: the piece of furniture it belongs to.
+        kind: what sort of surface it is, see `things.SURFACES`.
+        start: (x, y) of one end, metres.
         end: (x, y) of the other end; seen from the room's side the line runs from left to right.
         height: z of its surface.
         depth: its width across the line.
+        headroom: height of what may stand on it, metres.
     """
 
-    name: str
+    furniture: str
+    kind: str
     start: tuple[float, float]
     end: tuple[float, float]
     height: float
     depth: float
-
-    @property
-    def furniture(self) -> str:
-        """The piece of furniture this is a part of."""
-        return self.name.split()[0]
+    headroom: float = np.inf
 
     @property
     def length(self) -> float:
         """Metres."""
         return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """(x, y) halfway along it."""
+        return (self.start[0] + self.end[0]) / 2, (self.start[1] + self.end[1]) / 2
 
     @property
     def turn(self) -> float:
@@ -86,12 +101,19 @@ class Ledge:
 
 @dataclass(frozen=True)
 class Item:
-    """A thing to be laid out: its name, pieces (turned as it shall stand on a ledge along +x), and size on it."""
+    """A thing to be laid out.
+
+    Attributes:
+        name: of the object.
+        pieces: turned as they shall stand on a ledge along +x.
+        surfaces: kinds of ledges it may stand on.
+    """
 
     name: str
     pieces: Pieces
+    surfaces: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def extent(self) -> NDArray[np.float64]:
         """(2, 3) bounds of the pieces."""
         return bounds(mesh for mesh, _ in self.pieces)
@@ -108,57 +130,74 @@ class Item:
         low, high = self.extent
         return float(high[1] - low[1])
 
+    @property
+    def height(self) -> float:
+        """Metres."""
+        low, high = self.extent
+        return float(high[2] - low[2])
+
+
+class NoRoomError(RuntimeError):
+    """Something that has to be in a room finds no place in it."""
+
 
 def assign(
     items: Sequence[Item],
     ledges: Sequence[Ledge],
-    allowed: Mapping[str, Sequence[str]],
-    apart: Sequence[str],
+    required: Sequence[str],
     rng: np.random.Generator,
-    attempts: int = 200,
-) -> dict[str, list[Item]]:
+    attempts: int = 60,
+) -> list[list[Item]]:
     """Decides which ledge each item stands on.
 
     Args:
         items: what to lay out.
         ledges: where.
-        allowed: names of the ledges each item may stand on.
-        apart: names of items of which no two may stand on the same furniture.
+        required: names of the items that must be there, each on another piece of furniture than the others as long
+            as there are enough of them; other items are left out if no room is left.
         rng: random choice.
-        attempts: how often to start over if the last items find no room.
+        attempts: how often to start over if a required item finds no room.
 
     Returns:
-        Ledge name -> items.
+        For each ledge its items.
 
     Raises:
-        RuntimeError: if no attempt found room for everything.
+        NoRoomError: if no attempt found room for every required item.
     """
-    by_size = sorted(items, key=lambda item: (item.name not in apart, -item.width, item.name))
-    by_name = {ledge.name: ledge for ledge in ledges}
+    first = sorted((item for item in items if item.name in required), key=lambda item: (-item.width, item.name))
+    others = [item for item in items if item.name not in required]
+    rest = sorted(others, key=lambda item: (-item.width, item.name))
     for _ in range(attempts):
-        free = {ledge.name: ledge.length - GAP for ledge in ledges}
-        chosen: dict[str, list[Item]] = {ledge.name: [] for ledge in ledges}
+        free = [ledge.length - GAP for ledge in ledges]
+        chosen: list[list[Item]] = [[] for _ in ledges]
         taken: set[str] = set()
-        for item in by_size:
+        missing = []
+        for item in (*first, *rest):
             fitting = [
-                name
-                for name in allowed[item.name]
-                if free[name] >= item.width + GAP
-                and by_name[name].depth >= item.depth
-                and not (item.name in apart and by_name[name].furniture in taken)
+                row
+                for row, ledge in enumerate(ledges)
+                if ledge.kind in item.surfaces
+                and free[row] >= item.width + GAP
+                and ledge.depth >= item.depth
+                and ledge.headroom >= item.height
             ]
+            if item.name in required:
+                fitting = [row for row in fitting if ledges[row].furniture not in taken] or fitting
             if not fitting:
-                break
-            # Room that is left attracts: the things spread over the whole kitchen.
-            weight = np.array([max(free[name], 0.0) for name in fitting]) ** 2
-            name = fitting[int(rng.choice(len(fitting), p=weight / weight.sum()))]
-            chosen[name].append(item)
-            if item.name in apart:
-                taken.add(by_name[name].furniture)
-            free[name] -= item.width + GAP
-        else:
+                missing.append(item.name)
+                if item.name in required:
+                    break
+                continue
+            # Room that is left attracts: the things spread over the whole room.
+            weight = np.array([free[row] for row in fitting])
+            row = fitting[int(rng.choice(len(fitting), p=weight / weight.sum()))]
+            chosen[row].append(item)
+            free[row] -= item.width + GAP
+            if item.name in required:
+                taken.add(ledges[row].furniture)
+        if not set(missing) & set(required):
             return chosen
-    raise RuntimeError("no room for all objects; allow more ledges for " + ", ".join(item.name for item in by_size))
+    raise NoRoomError(f"no room for {', '.join(missing)} on any of {len(ledges)} ledges")
 
 
 def lay_out(

@@ -19,11 +19,12 @@ _DISPLAY = np.arange(256) / 255
 _TO_LINEAR = np.where(_DISPLAY <= 0.04045, _DISPLAY / 12.92, ((_DISPLAY + 0.055) / 1.055) ** 2.4).astype(np.float32)
 
 
-def _texture(image: Image.Image) -> Texture:
+def to_texture(image: Image.Image) -> Texture:
+    """A drawn picture as a texture, (H, W, 3) float32 linear RGB."""
     return finish(_TO_LINEAR[np.asarray(image.convert("RGB"))])
 
 
-def _write(
+def write(
     draw: ImageDraw.ImageDraw, centre: tuple[float, float], text: str, height: float, colour: str, width: float
 ) -> None:
     """Writes a line centred at a place, as large as `height` and `width` (pixels) allow."""
@@ -45,7 +46,7 @@ def cereal_box(brand: str, ground: str, accent: str, seed: int = 0) -> Texture:
         draw.pieslice((-260, -80, width + 260, height + 440), ray, ray + 12, fill=accent)
     draw.ellipse((20, 40, width - 20, 220), fill="#ffffff")
     draw.ellipse((28, 48, width - 28, 212), fill=ground)
-    _write(draw, (width / 2, 130), brand, 92, "#ffffff", width * 0.72)
+    write(draw, (width / 2, 130), brand, 92, "#ffffff", width * 0.72)
     draw.ellipse((56, 300, width - 56, 400), fill="#fdf6e6")
     for _ in range(46):
         angle, distance = rng.uniform(0, 2 * np.pi), np.sqrt(rng.uniform())
@@ -54,8 +55,8 @@ def cereal_box(brand: str, ground: str, accent: str, seed: int = 0) -> Texture:
         draw.ellipse((x - 5, y - 4, x + 5, y + 4), fill="#fdf6e6")
     draw.chord((56, 260, width - 56, 500), 0, 180, fill="#f8f8f6", outline="#c8c8c8", width=3)
     draw.rectangle((0, height - 56, width, height), fill=ground)
-    _write(draw, (width / 2, height - 28), "WHOLE GRAIN  500 g", 30, "#ffffff", width * 0.8)
-    return _texture(image)
+    write(draw, (width / 2, height - 28), "WHOLE GRAIN  500 g", 30, "#ffffff", width * 0.8)
+    return to_texture(image)
 
 
 @cache
@@ -67,10 +68,10 @@ def milk_carton(brand: str, ground: str) -> Texture:
     wave = [(x, 350 + 26 * np.sin(x / width * 2 * np.pi)) for x in range(width + 1)]
     draw.polygon([*wave, (width, height), (0, height)], fill=ground)
     draw.rectangle((0, 0, width, 90), fill=ground)
-    _write(draw, (width / 2, 200), brand, 88, ground, width * 0.86)
-    _write(draw, (width / 2, 280), "fresh  1 l", 36, "#5a6470", width * 0.6)
+    write(draw, (width / 2, 200), brand, 88, ground, width * 0.86)
+    write(draw, (width / 2, 280), "fresh  1 l", 36, "#5a6470", width * 0.6)
     draw.ellipse((width / 2 - 34, 400, width / 2 + 34, 468), fill="#f7f8fa")
-    return _texture(image)
+    return to_texture(image)
 
 
 @cache
@@ -82,13 +83,13 @@ def wrap_label(title: str, ground: str, accent: str, ink: str, seed: int = 0) ->
     draw = ImageDraw.Draw(image)
     draw.rectangle((0, 0, width, 22), fill=accent)
     draw.rectangle((0, height - 22, width, height), fill=accent)
-    _write(draw, (width / 2, 92), title, 100, ink, width * 0.6)
+    write(draw, (width / 2, 92), title, 100, ink, width * 0.6)
     draw.ellipse((width / 2 - 120, 150, width / 2 + 120, 270), fill=ink)
     for _ in range(26):
         x, y = width / 2 + rng.uniform(-80, 80), 210 + rng.uniform(-34, 34)
         radius = rng.uniform(10, 20)
         draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=accent, outline=ground, width=2)
-    return _texture(image)
+    return to_texture(image)
 
 
 @cache
@@ -101,11 +102,11 @@ def book_cover(title: str, ground: str, accent: str, seed: int = 0) -> Texture:
     draw.rectangle((18, 18, width - 18, height - 18), outline=accent, width=6)
     lines = title.split()
     for line, word in enumerate(lines):
-        _write(draw, (width / 2, 84 + 62 * line), word, 60, "#fff6e4", width * 0.8)
+        write(draw, (width / 2, 84 + 62 * line), word, 60, "#fff6e4", width * 0.8)
     for _ in range(7):
         x, y, radius = rng.uniform(80, width - 80), rng.uniform(290, 390), rng.uniform(18, 40)
         draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=accent)
-    return _texture(image)
+    return to_texture(image)
 
 
 @cache
@@ -117,8 +118,8 @@ def clock_face() -> Texture:
     for hour in range(1, 13):
         angle = np.radians(30 * hour)
         centre = (size / 2 + 96 * np.sin(angle), size / 2 - 96 * np.cos(angle))
-        _write(draw, centre, str(hour), 34, "#23262a", 60)
-    return _texture(image)
+        write(draw, centre, str(hour), 34, "#23262a", 60)
+    return to_texture(image)
 
 
 @cache

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.rooms.direct_light import light_samples
+from active_perceiver.rooms.direct_light import LAMP_SAMPLES, LightSample
 from active_perceiver.rooms.lighting import BakedRoom
 from active_perceiver.rooms.raycast import SURFACE_OFFSET
-from active_perceiver.rooms.vectors import cosine_directions, dot, unit
+from active_perceiver.rooms.vectors import columns, cosine_directions, dot, put, rows, unit
 
 # Surfaces rougher than this reflect no picture of the room, only its average light.
 GLOSSY_UP_TO = 0.5
@@ -38,6 +39,7 @@ class SurfacePoints:
         part: (N,) rows of the part table.
         colour: (N, 3) base colour, texture included.
         indirect: (N, 3) baked irradiance.
+        vertex: (N,) a vertex of the mesh nearby.
     """
 
     position: NDArray[np.float32]
@@ -46,6 +48,7 @@ class SurfacePoints:
     part: NDArray[np.int32]
     colour: NDArray[np.float32]
     indirect: NDArray[np.float32]
+    vertex: NDArray[np.int32]
 
 
 def shade(
@@ -63,30 +66,51 @@ def shade(
         (N, 3) light for the base colour to be multiplied by, and (N, 3) radiance reflected at the surface.
     """
     table = baked.surfaces.parts
-    metal = table.metalness[points.part][:, None]
+    metal = table.metalness[points.part]
     coat = table.coat[points.part]
     roughness = table.roughness[points.part]
     facing = np.clip(-dot(points.normal, points.view), 0, 1)
-    base_reflection = 0.08 * table.specular[points.part][:, None] * (1 - metal) + points.colour * metal
-    grazing = ((1 - facing) ** 5)[:, None]
-    fresnel = base_reflection + (np.maximum(1 - roughness[:, None], base_reflection) - base_reflection) * grazing
-    coat_fresnel = coat * (0.04 + 0.96 * (1 - facing) ** 5)
+    grazing = (1 - facing) ** 2
+    grazing *= grazing * (1 - facing)
+    base_reflection = points.colour * metal[:, None]
+    base_reflection += (np.float32(0.08) * table.specular[points.part] * (1 - metal))[:, None]
+    fresnel = np.maximum((1 - roughness)[:, None], base_reflection) - base_reflection
+    fresnel *= grazing[:, None]
+    fresnel += base_reflection
+    coat_fresnel = coat * (np.float32(0.04) + np.float32(0.96) * grazing)
 
     irradiance = _near_field(baked, points, rng)
     highlight = np.zeros_like(irradiance)
-    for light in light_samples(baked.room, baked.surfaces, points.position, points.normal, rng):
-        irradiance[light.index] += light.irradiance
+    rough = roughness > MIRROR_UP_TO
+    for light in _light_samples(baked, points, rng):
         at = light.index
-        lobe = _microfacet(points.normal[at], points.view[at], light.direction, roughness[at])
-        lobe = fresnel[at] * (lobe * (roughness[at] > MIRROR_UP_TO))[:, None]
-        highlight[at] += lobe * light.irradiance
-    glossy = _reflected(baked, points, np.where(coat > 0, COAT_ROUGHNESS, roughness), exposure, rng)
-    ambient = irradiance / np.pi
-    smooth = (roughness < GLOSSY_UP_TO)[:, None] & ((fresnel.max(1) + coat_fresnel) > FAINTEST_REFLECTION)[:, None]
-    bare = fresnel * np.where(smooth & (coat == 0)[:, None], glossy, 0.8 * ambient)
-    lacquer = coat_fresnel[:, None] * np.where(smooth | (coat > 0)[:, None], glossy, ambient)
-    matt = (1 - metal) * (1 - coat_fresnel)[:, None] * ambient
-    return matt, bare + lacquer + np.minimum(highlight, BRIGHTEST_HIGHLIGHT / exposure)
+        put(irradiance, at, rows(irradiance, at) + light.irradiance)
+        shiny = np.flatnonzero(rough[at])
+        at, direction = at[shiny], rows(light.direction, shiny)
+        lobe = _microfacet(rows(points.normal, at), rows(points.view, at), direction, roughness[at])
+        lit = rows(fresnel, at) * lobe[:, None] * rows(light.irradiance, shiny)
+        put(highlight, at, rows(highlight, at) + lit)
+    ambient = irradiance * np.float32(1 / np.pi)
+    strongest = np.maximum(np.maximum(fresnel[:, 0], fresnel[:, 1]), fresnel[:, 2])
+    smooth = (roughness < GLOSSY_UP_TO) & (strongest + coat_fresnel > FAINTEST_REFLECTION)
+    coated = coat > 0
+    glossy = _reflected(baked, points, np.where(coated, COAT_ROUGHNESS, roughness), smooth | coated, exposure, rng)
+    bare = fresnel * np.where((smooth & ~coated)[:, None], glossy, np.float32(0.8) * ambient)
+    bare += coat_fresnel[:, None] * np.where((smooth | coated)[:, None], glossy, ambient)
+    bare += np.minimum(highlight, np.float32(BRIGHTEST_HIGHLIGHT / exposure))
+    return ((1 - metal) * (1 - coat_fresnel))[:, None] * ambient, bare
+
+
+def _light_samples(baked: BakedRoom, points: SurfacePoints, rng: np.random.Generator) -> Iterator[LightSample]:
+    """Light straight from the sun, and from lamps that each point chooses by what it expects of them."""
+    lights = baked.lights
+    yield from lights.sunlight(points.position, points.normal, rng)
+    if lights.lamp_count:
+        visible = np.take(baked.lamp_visible, points.vertex, axis=0)
+        for _ in range(LAMP_SAMPLES):
+            draws = rng.random(len(points.position), np.float32)
+            lamp, weight = lights.choose_lamps(points.position, points.normal, visible, draws)
+            yield lights.lamplight(lamp, points.position, points.normal, rng, weight * np.float32(1 / LAMP_SAMPLES))
 
 
 def _near_field(baked: BakedRoom, points: SurfacePoints, rng: np.random.Generator) -> NDArray[np.float32]:
@@ -94,34 +118,42 @@ def _near_field(baked: BakedRoom, points: SurfacePoints, rng: np.random.Generato
     surfaces = baked.surfaces
     count = len(points.position)
     directions = cosine_directions(points.normal, rng.random(count, np.float32), rng.random(count, np.float32))
-    hits = surfaces.caster.hits(points.position + points.normal * SURFACE_OFFSET, directions)
-    near = np.flatnonzero((hits.triangle >= 0) & (hits.distance < NEAR) & (dot(hits.normal, directions) < 0))
-    irradiance = points.indirect.copy()
+    hits = surfaces.caster.hits(points.position + points.normal * SURFACE_OFFSET, directions, NEAR)
+    near = np.flatnonzero(hits.triangle >= 0)
+    near = near[dot(hits.normal[near], rows(directions, near)) < 0]
+    irradiance = points.indirect.copy(order="K")
     # Towards the end of its reach the ray counts less: no rim where it ends.
-    share = NEAR_STRENGTH * (1 - hits.distance[near, None] / NEAR)
+    share = NEAR_STRENGTH * (1 - hits.distance[near] / NEAR)
     sent = np.take(baked.radiosity, surfaces.faces[hits.triangle[near], 0], axis=0)
-    irradiance[near] += share * (np.minimum(sent, irradiance[near]) - irradiance[near])
+    before = rows(irradiance, near)
+    put(irradiance, near, before + share[:, None] * np.minimum(sent - before, 0))
     return irradiance
 
 
 def _reflected(
-    baked: BakedRoom, points: SurfacePoints, roughness: NDArray[np.float32], exposure: float, rng: np.random.Generator
+    baked: BakedRoom,
+    points: SurfacePoints,
+    roughness: NDArray[np.float32],
+    wanted: NDArray[np.bool_],
+    exposure: float,
+    rng: np.random.Generator,
 ) -> NDArray[np.float32]:
-    """Radiance (N, 3) that one ray about the mirror direction finds; zeros where the surface is rough."""
+    """Radiance (N, 3) that one ray about the mirror direction finds; zeros where it is not wanted."""
     surfaces = baked.surfaces
     result = np.zeros_like(points.position)
-    index = np.flatnonzero(roughness < GLOSSY_UP_TO)
+    index = np.flatnonzero(wanted)
     if len(index) == 0:
         return result
-    normal, view, rough = points.normal[index], points.view[index], roughness[index]
-    spread = (0.7 * rough**2)[:, None] * rng.standard_normal((len(index), 3), np.float32)
-    directions = view - 2 * dot(view, normal)[:, None] * normal + spread
+    normal, rough = rows(points.normal, index), roughness[index]
+    directions = rows(points.view, index)
+    directions -= normal * (2 * dot(directions, normal))[:, None]
+    directions += rng.standard_normal((3, len(index)), np.float32).T * (np.float32(0.7) * rough**2)[:, None]
     # A ray bent below the surface would see the inside of the object.
     below = dot(directions, normal)
-    directions -= np.minimum(below - 0.01, 0)[:, None] * normal
+    directions -= normal * np.minimum(below - np.float32(0.01), 0)[:, None]
     directions = unit(directions)
-    hits = surfaces.caster.hits(points.position[index] + normal * SURFACE_OFFSET, directions)
-    radiance = np.tile(np.asarray(baked.room.sky, np.float32), (len(index), 1))
+    hits = surfaces.caster.hits(rows(points.position, index) + normal * SURFACE_OFFSET, directions)
+    radiance = columns(*(np.full(len(index), value, np.float32) for value in baked.room.sky))
     found = np.flatnonzero(hits.triangle >= 0)
     hits = hits.subset(found)
     part = surfaces.part_of_face[hits.triangle]
@@ -129,11 +161,11 @@ def _reflected(
     colour = surfaces.base_colour(part, uv, REFLECTION_FOOTPRINT * surfaces.uv_density[hits.triangle])
     emission = surfaces.parts.emission[part]
     # Rough surfaces get their lamp highlights from the shadow rays.
-    emission = np.where(surfaces.parts.is_lamp[part] & (rough[found] > MIRROR_UP_TO), 0, emission)
-    sent = surfaces.interpolate(baked.total, hits) / np.pi
-    glows = surfaces.parts.emission[part] > 0
-    radiance[found] = colour * np.where(glows[:, None], emission[:, None], sent)
-    result[index] = np.minimum(radiance, BRIGHTEST_REFLECTION / exposure)
+    shown = np.where(surfaces.parts.is_lamp[part] & (rough[found] > MIRROR_UP_TO), 0, emission)
+    sent = surfaces.interpolate(baked.total, hits) * np.float32(1 / np.pi)
+    colour *= np.where((emission > 0)[:, None], shown[:, None], sent)
+    put(radiance, found, colour)
+    put(result, index, np.minimum(radiance, np.float32(BRIGHTEST_REFLECTION / exposure)))
     return result
 
 
@@ -145,11 +177,11 @@ def _microfacet(
 ) -> NDArray[np.float32]:
     """GGX lobe (N,) for irradiance, without Fresnel: D times visibility (Hammon's approximation)."""
     half = unit(light - view)
-    alpha2 = np.maximum(roughness**4, 1e-5)
+    alpha2 = np.maximum(np.square(np.square(roughness)), 1e-5)
     cosine = np.clip(dot(normal, half), 0, 1)
     distribution = alpha2 / (np.pi * (cosine**2 * (alpha2 - 1) + 1) ** 2)
     to_light = np.clip(dot(normal, light), 0, 1)
     to_eye = np.clip(-dot(normal, view), 0, 1)
     alpha = np.sqrt(alpha2)
     mixed = 2 * to_light * to_eye * (1 - alpha) + (to_light + to_eye) * alpha
-    return distribution * 0.5 / np.maximum(mixed, 1e-4)
+    return np.asarray(distribution * 0.5 / np.maximum(mixed, 1e-4), np.float32)

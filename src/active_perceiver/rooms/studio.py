@@ -1,4 +1,8 @@
-"""Pictures of an object on its own, as a user would give them: plain background, other light than the room's."""
+"""Pictures of an object as a user would give them: alone on a plain background, or among other things by phone.
+
+The setups from `TRAINING_SETUPS` on are held out: they share no light, no background and no direction with those
+before.
+"""
 
 from __future__ import annotations
 
@@ -10,26 +14,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
-from active_perceiver.rooms.camera import camera_axes, render
+from active_perceiver.rooms.camera_faults import with_faults
 from active_perceiver.rooms.curves import lathe
-from active_perceiver.rooms.geometry import quad, transform
 from active_perceiver.rooms.lighting import bake
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.room import Lamp, Part, Room
+from active_perceiver.rooms.materials import Colour, Material
+from active_perceiver.rooms.pictures import Direction, Light, Stage, key_light, take
+from active_perceiver.rooms.room import Part, Room
+from active_perceiver.rooms.scenery import HELD_OUT_SCENERY, TRAINING_SCENERY, Scenery
+from active_perceiver.rooms.snapshots import snapshot_stage
+from active_perceiver.rooms.subjects import Subject, on_stage
 
-# Objects are scaled to this radius, so that one studio fits all; metres.
-OBJECT_RADIUS = 0.1
 FIELD_OF_VIEW = 30.0
 FILL = 0.66
-SETUPS = 4
-PICTURES_PER_SETUP = 2
-PICTURES = SETUPS * PICTURES_PER_SETUP
-ELEVATIONS = (10.0, 45.0)
 BAKE_RAYS = 32
-# Product pictures are brighter than rooms: the background is to be a light grey.
+BOUNCES = 3
+# Product pictures are brighter than rooms; right for a background that reflects this share of the light.
 EXPOSURE = 3.0
+USUAL_BACKGROUND = 0.73
 COVE_RADIUS = 1.3
 COVE_HEIGHT = 1.2
+# All of an object's pictures are turned together by up to this many degrees, for each object another.
+TURN = 9.0
 
 
 class TargetError(UserError, ValueError):
@@ -37,18 +42,64 @@ class TargetError(UserError, ValueError):
 
 
 @dataclass(frozen=True)
-class _View:
-    heading: float
-    tilt: float
+class Setup:
+    """An arrangement in which an object is photographed.
+
+    Attributes:
+        directions: from where, one a picture.
+        light: the lamp.
+        background: colours (linear RGB) a plain one may have, or what may be around the object in a phone picture.
+    """
+
+    directions: tuple[Direction, ...]
+    light: Light
+    background: tuple[Colour, ...] | Scenery
+
+
+TRAINING = (
+    Setup(
+        (Direction(0, 0.15), Direction(-105, 0.6)),
+        Light(azimuth=-50, height=50, warmth=0.0),
+        ((0.78, 0.78, 0.78), (0.85, 0.85, 0.84)),
+    ),
+    Setup(
+        (Direction(42, 0.75), Direction(170, 0.3)),
+        Light(azimuth=65, height=62, warmth=0.10),
+        ((0.66, 0.65, 0.62), (0.72, 0.71, 0.69)),
+    ),
+    Setup(
+        (Direction(-52, 0.35), Direction(110, 0.85)),
+        Light(azimuth=10, height=72, warmth=-0.10),
+        ((0.55, 0.57, 0.6), (0.62, 0.63, 0.65)),
+    ),
+    Setup((Direction(22, 0.5), Direction(-28, 0.9)), Light(azimuth=40, height=48, warmth=0.16), TRAINING_SCENERY),
+)
+HELD_OUT_PLAIN_COLOURS = ((0.30, 0.48, 0.62), (0.62, 0.42, 0.32), (0.40, 0.55, 0.36), (0.66, 0.58, 0.34))
+HELD = (
+    Setup(
+        (Direction(62, 0.25), Direction(-66, 0.15)),
+        Light(azimuth=-95, height=42, warmth=0.2),
+        HELD_OUT_PLAIN_COLOURS,
+    ),
+    Setup((Direction(-14, 0.6), Direction(34, 0.2)), Light(azimuth=-25, height=60, warmth=-0.16), HELD_OUT_SCENERY),
+)
+TRAINING_SETUPS = len(TRAINING)
+HELD_OUT_SETUPS = len(HELD)
+SETUPS = TRAINING_SETUPS + HELD_OUT_SETUPS
+PICTURES_PER_SETUP = 2
+PICTURES = SETUPS * PICTURES_PER_SETUP
+HELD_OUT = HELD_OUT_SETUPS * PICTURES_PER_SETUP
 
 
 def studio_pictures(room: Room, target: str, setup: int, seed: int, image_size: int = 300) -> list[NDArray[np.uint8]]:
-    """Photograph one of a room's objects alone.
+    """Photograph one of a room's objects away from the room.
+
+    The pictures depend on the object, its name, the setup and the seed alone.
 
     Args:
         room: which holds the object.
         target: the object's name.
-        setup: number of the lighting, 0 to `SETUPS` - 1.
+        setup: number of the arrangement, 0 to `SETUPS` - 1; the last `HELD_OUT_SETUPS` are not for training.
         seed: of light, background and directions.
         image_size: side of the pictures in pixels.
 
@@ -57,102 +108,73 @@ def studio_pictures(room: Room, target: str, setup: int, seed: int, image_size: 
 
     Raises:
         TargetError: if the room has no such object.
+        ValueError: if there is no such setup.
     """
-    parts = _on_stage([part for part in room.parts if part.object_name == target], room.name, target)
-    rng = np.random.default_rng([seed, setup, zlib.crc32(target.encode())])
-    stage = _stage(parts, f"{room.name}-{target}-{setup}", rng)
-    baked = bake(stage, rays=BAKE_RAYS, bounces=3, seed=seed)
-    points = np.concatenate([part.mesh.vertices for part in parts])
-    start = rng.uniform(0, 360)
-    pictures = []
-    for number in range(PICTURES_PER_SETUP):
-        # All pictures together go round the object once, from low and high by turns.
-        turn = start / SETUPS + (number * SETUPS + setup) * 360 / PICTURES
-        low, high = ELEVATIONS
-        elevation = low + (high - low) * ((number + setup / SETUPS + 0.25 * rng.random()) % PICTURES_PER_SETUP) / 2
-        view = _View(turn % 360, -elevation)
-        position = _camera_position(points, view)
-        picture = render(baked, position, view.heading, view.tilt, image_size, FIELD_OF_VIEW, exposure=EXPOSURE)
-        pictures.append(picture.image)
-    return pictures
+    stage = picture_stage(room, target, setup, seed)
+    baked = bake(stage.room, rays=BAKE_RAYS, bounces=BOUNCES, seed=seed)
+    pictures = [take(baked, shot, image_size, stage.exposure).image for shot in stage.shots]
+    if stage.faults is None:
+        return pictures
+    faults = replace(stage.faults, blur=stage.faults.blur * image_size / 300)
+    rng = np.random.default_rng([seed, zlib.crc32(target.encode()), setup, len(pictures)])
+    return [with_faults(picture, faults, rng) for picture in pictures]
 
 
-def _on_stage(parts: list[Part], room_name: str, target: str) -> list[Part]:
-    """The object's parts scaled to `OBJECT_RADIUS` and put upright on the ground at the origin."""
+def picture_stage(room: Room, target: str, setup: int, seed: int) -> Stage:
+    """What `studio_pictures` photographs and from where; the object has its own name there.
+
+    Raises:
+        TargetError: if the room has no such object.
+        ValueError: if there is no such setup.
+    """
+    if not 0 <= setup < SETUPS:
+        raise ValueError(f"setups are 0 to {SETUPS - 1}, got {setup}")
+    parts = [part for part in room.parts if part.object_name == target]
     if not parts:
-        raise TargetError(f"room '{room_name}' has no object '{target}'; correct its list of targets")
-    points = np.concatenate([part.mesh.vertices for part in parts])
-    low, high = points.min(axis=0), points.max(axis=0)
-    scale = 2 * OBJECT_RADIUS / float(np.linalg.norm(high - low))
-    middle = (low + high) / 2
-    # A hair above the ground: coplanar faces would flicker.
-    offset = (-scale * middle[0], -scale * middle[1], -scale * low[2] + 2e-4)
-    return [replace(part, mesh=transform(part.mesh, offset=offset, scale=scale)) for part in parts]
+        raise TargetError(f"room '{room.name}' has no object '{target}'; correct its list of targets")
+    name = zlib.crc32(target.encode())
+    turn = float(np.random.default_rng([seed, name]).uniform(-TURN, TURN))
+    subject = on_stage(parts, target, room.targets.get(target, target), turn)
+    arrangement = (*TRAINING, *HELD)[setup]
+    rng = np.random.default_rng([seed, name, setup])
+    label = f"{target}-{setup}"
+    if isinstance(arrangement.background, Scenery):
+        return snapshot_stage(subject, arrangement.directions, arrangement.light, arrangement.background, label, rng)
+    return _cove_stage(subject, arrangement.directions, arrangement.light, arrangement.background, label, rng)
 
 
-def _stage(parts: list[Part], name: str, rng: np.random.Generator) -> Room:
+def _cove_stage(
+    subject: Subject,
+    directions: tuple[Direction, ...],
+    light: Light,
+    backgrounds: tuple[Colour, ...],
+    name: str,
+    rng: np.random.Generator,
+) -> Stage:
     """A round, seamless backdrop, open above, with one soft key light."""
-    grey = rng.uniform(0.62, 0.85)
-    tint = 1 + 0.035 * rng.standard_normal(3)
-    red, green, blue = (float(value) for value in np.clip(grey * tint, 0.5, 0.9))
+    colour = np.array(backgrounds[int(rng.integers(len(backgrounds)))])
+    colour = np.clip(colour * (1 + 0.03 * rng.standard_normal(3)), 0.05, 0.9)
+    red, green, blue = (float(value) for value in colour)
     bend = [
         (COVE_RADIUS - 0.3 + 0.3 * math.sin(angle), 0.3 - 0.3 * math.cos(angle))
         for angle in np.linspace(0, math.pi / 2, 8)
     ]
     cove = lathe([(COVE_RADIUS, COVE_HEIGHT), *reversed(bend), (1e-4, 0.0)], segments=40)
-    direction, height = rng.uniform(0, 2 * math.pi), math.radians(rng.uniform(40, 70))
-    towards = np.array(
-        [math.cos(direction) * math.cos(height), math.sin(direction) * math.cos(height), math.sin(height)]
-    )
-    side = np.array([-math.sin(direction), math.cos(direction), 0.0])
-    across = np.cross(side, towards)  # so that the light faces the origin
-    size = rng.uniform(0.15, 0.4)
-    centre, first, second = 0.9 * towards, size * side, size * across
-    warmth = rng.uniform(-0.12, 0.12)
-    colour = (1 + warmth, 1.0, 1 - warmth)
-    radiance = rng.uniform(0.8, 2.0) / size**2
-    corner = centre - first / 2 - second / 2
-    lamp_mesh = quad(_triple(corner), _triple(first), _triple(second))
-    key = Lamp(
-        "key light",
-        _triple(centre),
-        (_triple(first), _triple(second)),
-        0.0,
-        (colour[0] * radiance, colour[1] * radiance, colour[2] * radiance),
-    )
-    return Room(
+    lamp_part, lamp = key_light(light, subject.front, float(rng.uniform(0.15, 0.4)))
+    room = Room(
         name=name,
         size=(2 * COVE_RADIUS, 2 * COVE_RADIUS, COVE_HEIGHT),
         parts=(
-            *parts,
+            *subject.parts,
             Part("backdrop", cove, Material((red, green, blue), roughness=0.95, specular=0.1)),
-            Part("key light", lamp_mesh, Material(colour, emission=radiance)),
+            lamp_part,
         ),
-        targets={},
+        targets={subject.name: subject.category},
         sun=None,
         sky=(1.0, 1.0, 1.0),
-        lamps=(key,),
+        lamps=(lamp,),
         obstacles=(),
     )
-
-
-def _triple(vector: NDArray[np.float64]) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in vector)
-    return (x, y, z)
-
-
-def _camera_position(points: NDArray[np.float64], view: _View) -> tuple[float, float, float]:
-    """Where a camera with this direction has the points in the middle, filling `FILL` of the picture."""
-    right, up, forward = camera_axes(view.heading, view.tilt).astype(np.float64)
-    extent = math.tan(math.radians(FIELD_OF_VIEW) / 2)
-    position = points.mean(axis=0) - 6 * OBJECT_RADIUS * forward
-    for _ in range(8):
-        offset = points - position
-        depth = offset @ forward
-        x, y = offset @ right / depth / extent, offset @ up / depth / extent
-        middle = (x.max() + x.min()) / 2, (y.max() + y.min()) / 2
-        fill = max(x.max() - x.min(), y.max() - y.min()) / 2
-        distance = float(depth.mean())
-        position = position + distance * extent * (middle[0] * right + middle[1] * up)
-        position = position + forward * distance * (1 - fill / FILL)
-    return _triple(position)
+    shots = tuple(subject.shot(direction, FIELD_OF_VIEW, FILL) for direction in directions)
+    # The baked exposure makes every background a middle grey.
+    return Stage(room, shots, EXPOSURE * float(colour.mean()) / USUAL_BACKGROUND)

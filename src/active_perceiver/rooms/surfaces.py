@@ -53,3 +53,28 @@ def cloth(colour: str) -> Material:
 def printed(texture: textures.Texture, roughness: float = 0.5) -> Material:
     """Printed paper or card."""
     return Material((1.0, 1.0, 1.0), texture, roughness=roughness, specular=0.35)
+
+
+def patterned(texture: textures.Texture) -> Material:
+    """Cloth with a woven or printed pattern."""
+    return Material((1.0, 1.0, 1.0), texture, roughness=0.95, specular=0.1)
+
+
+def rubber(colour: str) -> Material:
+    """Rubber, foam or leatherette."""
+    return Material(from_hex(colour), roughness=0.7, specular=0.3)
+
+
+def metallic(colour: str, roughness: float = 0.3) -> Material:
+    """Anodised or painted metal of a colour."""
+    return Material(from_hex(colour), roughness=roughness, metalness=0.8)
+
+
+def display(texture: textures.Texture) -> Material:
+    """A screen behind glass. It does not glow."""
+    return Material((1.0, 1.0, 1.0), texture, roughness=0.2, coat=0.15)
+
+
+def glossy_print(texture: textures.Texture, roughness: float = 0.2) -> Material:
+    """A pattern under glaze or lacquer."""
+    return Material((1.0, 1.0, 1.0), texture, roughness=roughness, coat=0.6)

@@ -39,10 +39,13 @@ class TextureAtlas:
                 count += level.shape[0] * level.shape[1]
         deepest = max(levels, default=0)
         self._texels = np.concatenate(texels) if texels else np.zeros((0, 3), np.float16)
+        # One row for each level of each texture.
         self._start = _table(starts, deepest)
         self._height = _table(heights, deepest)
         self._width = _table(widths, deepest)
-        self._levels = np.array(levels, np.int64)
+        self._longest = np.maximum(self._height, self._width).astype(np.float32)
+        self._levels = np.array(levels, np.int32)
+        self._deepest = deepest
 
     def sample(
         self, texture: NDArray[np.int64], uv: NDArray[np.float32], footprint: NDArray[np.float32]
@@ -57,23 +60,38 @@ class TextureAtlas:
         Returns:
             (N, 3) float32 linear RGB.
         """
-        texels_wide = footprint * np.maximum(self._height[texture, 0], self._width[texture, 0])
-        level = np.floor(np.log2(np.maximum(texels_wide, 1.0))).astype(np.int64)
-        level = np.minimum(level, self._levels[texture] - 1)
-        start = self._start[texture, level]
-        height, width = self._height[texture, level], self._width[texture, level]
-        x = (uv[:, 0] - np.floor(uv[:, 0])) * width - 0.5
-        y = (uv[:, 1] - np.floor(uv[:, 1])) * height - 0.5
-        left, low = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
-        right_share, high_share = (x - left).astype(np.float32), (y - low).astype(np.float32)
-        right, high = (left + 1) % width, (low + 1) % height
-        left, low = left % width, low % height
-        colour = np.zeros((len(texture), 3), np.float32)
+        first = texture * self._deepest
+        texels_wide = footprint * np.take(self._longest, first)
+        # The exponent of a float is its logarithm rounded down.
+        level = np.frexp(np.maximum(texels_wide, np.float32(1)))[1] - 1
+        row_of_table = first + np.minimum(level, np.take(self._levels, texture) - 1)
+        start = np.take(self._start, row_of_table)
+        height, width = np.take(self._height, row_of_table), np.take(self._width, row_of_table)
+        (left, right), right_share = _neighbours(uv[:, 0], width)
+        (low, high), high_share = _neighbours(uv[:, 1], height)
+        low, high = start + low * width, start + high * width
+        colour = np.zeros((3, len(texture)), np.float32)
         for row, row_share in ((low, 1 - high_share), (high, high_share)):
             for column, column_share in ((left, 1 - right_share), (right, right_share)):
-                texel = np.take(self._texels, start + row * width + column, axis=0).astype(np.float32)
-                colour += texel * (row_share * column_share)[:, None]
-        return colour
+                share = row_share * column_share
+                texel = np.take(self._texels, row + column, axis=0).astype(np.float32)
+                for channel, value in zip(colour, texel.T, strict=True):
+                    channel += value * share
+        return colour.T
+
+
+def _neighbours(
+    coordinate: NDArray[np.float32], size: NDArray[np.int32]
+) -> tuple[tuple[NDArray[np.int32], NDArray[np.int32]], NDArray[np.float32]]:
+    """The two texels on either side of a wrapping coordinate, and the share of the second."""
+    place = (coordinate - np.floor(coordinate)) * size.astype(np.float32) + np.float32(0.5)
+    # One too large until here, so that casting rounds down.
+    after = place.astype(np.int32)
+    share = place - after.astype(np.float32)
+    before = after - 1
+    before[before < 0] += size[before < 0]
+    after[after >= size] -= size[after >= size]
+    return (before, after), share
 
 
 def _pyramid(texture: NDArray[np.float32]) -> list[NDArray[np.float32]]:
@@ -85,8 +103,8 @@ def _pyramid(texture: NDArray[np.float32]) -> list[NDArray[np.float32]]:
     return levels
 
 
-def _table(rows: list[list[int]], columns: int) -> NDArray[np.int64]:
-    table = np.zeros((len(rows), columns), np.int64)
+def _table(rows: list[list[int]], columns: int) -> NDArray[np.int32]:
+    table = np.zeros((len(rows), columns), np.int32)
     for index, row in enumerate(rows):
         table[index, : len(row)] = row
-    return table
+    return table.ravel()

@@ -1,4 +1,4 @@
-"""Procedural textures of surfaces: wood, stone, tiles, cloth, metal, skins and crusts.
+"""Procedural textures of surfaces: wood, stone, tiles, paper, cloth, carpet, metal, skins and crusts.
 
 Each returns (H, W, 3) float32 linear RGB in 0..1, row 0 at v = 1, the same for the same arguments, and is cached:
 calling twice gives the same array, so that rooms share it. All tile seamlessly unless their docstring says otherwise.
@@ -155,6 +155,97 @@ def rug(ground: str, lines: str, accent: str, seed: int = 0, size: int = 512) ->
     image = paint(image, from_hex(lines), (np.abs(border - 0.105) < 0.008).astype(np.float32))
     fibres = noise(size, seed, 60, 256, 0.0, (1, 4)) * 0.07 + noise(size, seed + 1, 1, 8) * 0.03
     return finish(image * (1 + fibres)[..., None])
+
+
+@cache
+def carpet(colour: str, seed: int = 0, flecks: float = 0.10, size: int = 512) -> Texture:
+    """A short-piled carpet; `flecks` is how much its tufts differ."""
+    tufts = noise(size, seed, 60, 256, 0.0)
+    worn = noise(size, seed + 1, 1, 6, 1.2)
+    image = np.asarray(from_hex(colour), dtype=np.float32) * (1 + flecks * tufts + 0.025 * worn)[..., None]
+    return finish(image)
+
+
+@cache
+def carpet_tiles(colour: str, seed: int = 0, across: int = 4, size: int = 1024) -> Texture:
+    """An office floor of `across` x `across` carpet tiles whose pile runs by turns one way and the other."""
+    rng = np.random.default_rng(seed)
+    rows, columns = np.mgrid[0:size, 0:size]
+    row, column = rows * across // size, columns * across // size
+    turned = ((row + column) % 2 == 0)[..., None]
+    lines, other = noise(size, seed, 30, 200, 0.2, (1.0, 9.0)), noise(size, seed + 1, 30, 200, 0.2, (9.0, 1.0))
+    tone = 1 + 0.035 * rng.standard_normal((across, across))[row, column]
+    pile = np.where(turned, lines[..., None], other[..., None])
+    edge = np.minimum(rows % (size // across), columns % (size // across))
+    image = np.asarray(from_hex(colour)) * tone[..., None] * (1 + 0.09 * pile) * (1 - 0.18 * (edge < 2))[..., None]
+    return finish(image)
+
+
+@cache
+def wallpaper_stripes(ground: str, stripe: str, stripes: int = 8, seed: int = 0, size: int = 512) -> Texture:
+    """Wallpaper with upright stripes, each with a thin line beside it."""
+    u, _ = _coordinates(size)
+    place = (u * stripes) % 1
+    cover = np.clip((0.25 - np.abs(place - 0.5)) * size / stripes, 0, 1)
+    line = np.clip((0.02 - np.abs(place - 0.12)) * size / stripes, 0, 1)
+    image = blend(from_hex(ground), from_hex(stripe), np.maximum(cover, 0.8 * line))
+    return finish(image * (1 + 0.008 * noise(size, seed, 20, 120, 0.4))[..., None])
+
+
+@cache
+def wallpaper_sprigs(ground: str, sprig: str, across: int = 6, seed: int = 0, size: int = 512) -> Texture:
+    """Wallpaper with small leaves in staggered rows; `across` must be even."""
+    u, v = _coordinates(size)
+    row = np.floor(v * across).astype(int)
+    x, y = (u * across + 0.5 * (row % 2)) % 1 - 0.5, (v * across) % 1 - 0.5
+    cover = np.zeros_like(u)
+    for turn in (-0.75, 0.0, 0.75):
+        along, side = y * np.cos(turn) + x * np.sin(turn) + 0.16, x * np.cos(turn) - y * np.sin(turn)
+        half = 0.055 * np.sin(np.pi * np.clip(along / 0.34, 0, 1))
+        cover = np.maximum(cover, np.clip((half - np.abs(side)) * size / across, 0, 1))
+    image = blend(from_hex(ground), from_hex(sprig), cover.astype(np.float32))
+    return finish(image * (1 + 0.008 * noise(size, seed, 20, 120, 0.4))[..., None])
+
+
+@cache
+def herringbone(dark: str, light: str, across: int = 6, seed: int = 0, size: int = 512) -> Texture:
+    """Woollen cloth in a herringbone: slanting ribs that change direction from column to column."""
+    u, v = _coordinates(size)
+    place = (u * across) % 1
+    slant = np.where(np.floor(u * across) % 2 == 0, place, 1 - place)
+    rib = np.sin(2 * np.pi * (v * across * 4 + slant * 2))
+    image = blend(from_hex(dark), from_hex(light), 0.5 + 0.45 * rib + 0.12 * noise(size, seed, 30, 200, 0.2))
+    return finish(image)
+
+
+@cache
+def medallions(ground: str, figure: str, across: int = 4, seed: int = 0, size: int = 512) -> Texture:
+    """Furnishing cloth printed with rings and lozenges."""
+    u, v = _coordinates(size)
+    x, y = np.abs((u * across) % 1 - 0.5), np.abs((v * across) % 1 - 0.5)
+    sharp = size / across
+    ring = np.clip((0.035 - np.abs(np.hypot(x, y) - 0.33)) * sharp, 0, 1)
+    lozenge = np.clip((0.13 - x - y) * sharp, 0, 1)
+    corner = np.clip((0.10 - (0.5 - x) - (0.5 - y)) * sharp, 0, 1)
+    image = blend(from_hex(ground), from_hex(figure), np.maximum(np.maximum(ring, lozenge), corner))
+    return finish(image * (1 + 0.05 * noise(size, seed, 30, 200, 0.2))[..., None])
+
+
+@cache
+def leather(colour: str, seed: int = 0, size: int = 512) -> Texture:
+    """Leather: a fine grain of creases, paler where it is worn."""
+    creases = np.abs(noise(size, seed, 30, 160, 0.6))
+    worn = noise(size, seed + 1, 1, 8, 1.3)
+    image = np.asarray(from_hex(colour)) * (0.92 + 0.10 * np.clip(creases, 0, 1.2) + 0.05 * worn)[..., None]
+    return finish(image)
+
+
+@cache
+def cork(seed: int = 0, size: int = 512) -> Texture:
+    """A pinboard's cork: grains of several browns."""
+    grains = noise(size, seed, 20, 110, 0.6)
+    image = blend(from_hex("#8f6236"), from_hex("#d6aa72"), 0.5 + 0.24 * grains)
+    return finish(paint(image, from_hex("#5a3a1e"), np.clip((noise(size, seed + 1, 25, 90, 0.4) - 1.8) * 3, 0, 1)))
 
 
 @cache

@@ -6,8 +6,9 @@ import multiprocessing
 import os
 import signal
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.connection import wait
@@ -27,11 +28,13 @@ _ONE_THREAD = {
     "OIDN_NUM_THREADS": "1",
     "OIDN_DEFAULT_DEVICE": "cpu",
 }
+# So many jobs wait for each process: enough to keep it busy, few enough to need no memory.
+QUEUE = 4
 _shared: Any = None
 
 
 class WorkerError(UserError, RuntimeError):
-    """A process was killed."""
+    """Processes that cannot be started, or one that was killed."""
 
 
 def run_parallel(
@@ -55,24 +58,28 @@ def run_parallel(
         The results in the order of the jobs.
 
     Raises:
-        ValueError: if `workers` is less than 1.
-        WorkerError: if a process was killed.
+        WorkerError: if a process was killed, or `workers` is less than 1.
     """
     count = workers if workers is not None else (os.cpu_count() or 1)
     if count < 1:
-        raise ValueError(f"the number of workers is at least 1, got {workers}")
+        raise WorkerError(f"the number of workers must be at least 1, got {workers}")
     context = multiprocessing.get_context("spawn")
     results: list[Result] = []
+    running: deque[Future[Result]] = deque()
     with _environment(_ONE_THREAD):
         pool = ProcessPoolExecutor(min(count, max(len(jobs), 1)), context, _start, (shared,))
         try:
-            futures = [pool.submit(_call, work, job) for job in jobs]
-            for future in futures:
-                results.append(future.result())
+            for job in jobs:
+                if len(running) == QUEUE * count:
+                    results.append(running.popleft().result())
+                    progress(len(results), len(jobs))
+                running.append(pool.submit(_call, work, job))
+            while running:
+                results.append(running.popleft().result())
                 progress(len(results), len(jobs))
         except BrokenProcessPool:
             raise WorkerError(
-                "a rendering process was killed, perhaps for want of memory; try again with fewer workers"
+                "a rendering process was killed, perhaps for want of memory; try again with fewer --workers"
             ) from None
         finally:
             # After an error or Ctrl-C what waits is dropped and what runs (a second at most) is waited for.

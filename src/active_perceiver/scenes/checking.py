@@ -98,6 +98,13 @@ def _views(scene: Scene) -> list[Problem]:
             Problem(f"{odd} views are not {scene.image_size} x {scene.image_size} pixels; they will be scaled")
         )
     for target in scene.targets:
+        if copies := len(set(target.pictures[: target.trained]) & set(target.pictures[target.trained :])):
+            found.append(
+                Problem(
+                    f"{copies} pictures of '{target.name}' that are held out are exact copies of others that are "
+                    "trained with: figures for pictures never seen would be too good"
+                )
+            )
         for index in range(len(target.pictures)):
             try:
                 target.picture(index)

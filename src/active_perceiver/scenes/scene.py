@@ -30,17 +30,30 @@ class Target:
         name: unique in its scene.
         pictures: encoded images of the object on its own, without context.
         category: what kind of thing it is, for example "mug".
+        held_out: the last so many of the pictures are never trained with: by them is measured how well an agent does
+            with a picture that it has not seen.
     """
 
     name: str
     pictures: tuple[bytes, ...]
     category: str = ""
+    held_out: int = 0
 
     def __post_init__(self) -> None:
         if not self.name or "/" in self.name:
             raise SceneError(f"a target's name must not be empty or hold a slash: {self.name!r}")
         if not self.pictures:
             raise SceneError(f"target '{self.name}' has no picture; a target is searched from its picture")
+        if not 0 <= self.held_out < len(self.pictures):
+            raise SceneError(
+                f"target '{self.name}' holds out {self.held_out} of its {len(self.pictures)} pictures; at least one "
+                "must be left to train with, so it is a number from 0 to one less than there are"
+            )
+
+    @property
+    def trained(self) -> int:
+        """How many of the pictures, the first ones, training may use."""
+        return len(self.pictures) - self.held_out
 
     def picture(self, index: int = 0) -> NDArray[np.uint8]:
         """Decode one picture, (H, W, 3) uint8 RGB."""

@@ -2,8 +2,9 @@
 
 Layout: attributes `format`, `version`, `name`, `actions` (JSON list), `image_size`, `fov`, `source`; datasets
 `views` (S,) variable-length uint8, `poses` (S, 4) float32, `transitions` (S, A) int32, `boxes` (S, T, 4) float32;
-groups `targets/<name>` with `pictures` (K,) variable-length uint8 and attributes `category` and `index`; optional
-group `floor_plan` with `outline` and `obstacles/<number>`. Nothing in a file is executed when it is read.
+groups `targets/<name>` with `pictures` (K,) variable-length uint8 and attributes `category`, `index` and `held_out`:
+the last so many pictures are never trained with (0 if the attribute is not there, as in older files); optional group
+`floor_plan` with `outline` and `obstacles/<number>`. Nothing in a file is executed when it is read.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def save_scene(scene: Scene, path: Path | str, *, force: bool = False) -> None:
             file.create_dataset(label, data=getattr(scene, label), compression="gzip")
         for index, target in enumerate(scene.targets):
             group = file.create_group(f"targets/{target.name}")
-            group.attrs.update(category=target.category, index=index)
+            group.attrs.update(category=target.category, index=index, held_out=target.held_out)
             _write_blobs(group, "pictures", target.pictures)
         if scene.floor_plan is not None:
             group = file.create_group("floor_plan")
@@ -97,14 +98,19 @@ def _read(file: h5py.File, path: Path) -> Scene:
         poses=file["poses"][()].astype(np.float32),
         transitions=_as_states(file["transitions"][()]),
         boxes=file["boxes"][()].astype(np.float32),
-        targets=tuple(
-            Target(name, _read_blobs(groups[name]["pictures"]), str(groups[name].attrs["category"])) for name in names
-        ),
+        targets=tuple(_read_target(name, groups[name]) for name in names),
         image_size=int(file.attrs["image_size"]),
         fov=float(file.attrs["fov"]),
         source=str(file.attrs["source"]),
         floor_plan=_read_floor_plan(file),
     )
+
+
+def _read_target(name: str, group: h5py.Group) -> Target:
+    held_out = group.attrs.get("held_out", 0)
+    if not isinstance(held_out, (int, np.integer)):
+        raise SceneError(f"target '{name}' holds out {held_out!r} pictures, expected a whole number")
+    return Target(name, _read_blobs(group["pictures"]), str(group.attrs["category"]), int(held_out))
 
 
 def _actions(text: str) -> tuple[Action, ...]:

@@ -159,7 +159,7 @@ def _feature_space(features: NDArray[np.float32]) -> spaces.Box:
 
 def _pictures_and_masks(scene: Scene, task: SearchTask, size: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     searched = [scene.target_index(name) for name in task.targets]
-    fewest = min(len(scene.targets[index].pictures) for index in searched)
+    fewest = min(scene.targets[index].trained for index in searched)
     targets = np.stack(
         [
             np.stack([square_image(scene.targets[index].picture(number), size) for number in range(fewest)])

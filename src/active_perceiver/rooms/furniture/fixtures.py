@@ -71,12 +71,21 @@ def window(opening: Opening, panes: int = 2, sill: float = 0.10) -> Pieces:
     return [(merge([*bars, *trim]), WHITE_PAINT)]
 
 
-def backdrop(centre_x: float, width: float, distance: float, brightness: float) -> Pieces:
-    """The view out of a window: a glowing picture `distance` behind the wall, facing -y, horizon at eye height."""
+def backdrop(width: float, distance: float, glow: Colour, seed: int = 0) -> Pieces:
+    """The view out of a window at x = 0: a glowing picture `distance` behind the wall, horizon at eye height.
+
+    Args:
+        width: metres.
+        distance: metres.
+        glow: linear RGB, how bright the picture is.
+        seed: of clouds and trees.
+    """
     height = width * 0.5
     low = 1.25 - height * 0.46
-    mesh = quad((centre_x - width / 2, distance, low), (width, 0, 0), (0, 0, height))
-    return [(mesh, Material((1.0, 1.0, 1.0), prints.outside_view(), roughness=1.0, emission=brightness))]
+    mesh = quad((-width / 2, distance, low), (width, 0, 0), (0, 0, height))
+    strength = max(glow)
+    tint = (glow[0] / strength, glow[1] / strength, glow[2] / strength)
+    return [(mesh, Material(tint, prints.outside_view(seed), roughness=1.0, emission=strength))]
 
 
 def door(material: Material, width: float = 0.88, height: float = 2.04) -> Pieces:

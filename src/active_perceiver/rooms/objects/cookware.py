@@ -8,14 +8,24 @@ from active_perceiver.rooms.boxes import rounded_box
 from active_perceiver.rooms.curves import arc, cylinder, lathe, smooth_profile, tube
 from active_perceiver.rooms.geometry import merge, shear, transform
 from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.objects.tableware import pick
+from active_perceiver.rooms.objects.shaping import PALETTE, pick
 from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, BRASS, CAST_IRON, CHROME, beech, glazed, steel, wood
+from active_perceiver.rooms.surfaces import (
+    BLACK_PLASTIC,
+    BRASS,
+    CAST_IRON,
+    CHROME,
+    beech,
+    glazed,
+    plastic,
+    steel,
+    wood,
+)
 
 
 def pot(rng: np.random.Generator) -> Pieces:
     """A cooking pot with two handles (along y) and a lid."""
-    radius, height = 0.105 * rng.uniform(0.95, 1.05), 0.125 * rng.uniform(0.92, 1.08)
+    radius, height = 0.105 * rng.uniform(0.88, 1.05), 0.125 * rng.uniform(0.8, 1.12)
     body = [
         (0.0, 0.0),
         (radius - 0.008, 0.0),
@@ -44,18 +54,19 @@ def pot(rng: np.random.Generator) -> Pieces:
     handle = tube(bar, 0.0062, 10)
     handles = merge([handle, transform(handle, rotate=(0.0, 0.0, 180.0))])
     knob_mesh = transform(lathe(smooth_profile(knob), 24), (0.0, 0.0, height + 0.021))
-    shell = steel() if rng.random() < 0.5 else glazed(pick(rng, ("#2f6f7f", "#c2602c", "#3a5a8f")))
+    shell = steel() if rng.random() < 0.5 else glazed(pick(rng, PALETTE))
+    cover = glazed(pick(rng, PALETTE)) if rng.random() < 0.25 else shell
     return [
-        (lathe(smooth_profile(body, 1), 48), shell),
-        (lathe(smooth_profile(lid), 44), shell),
+        (lathe(smooth_profile(body, 1), 44), shell),
+        (lathe(smooth_profile(lid, 1), 44), cover),
         (handles, steel()),
-        (knob_mesh, BLACK_PLASTIC),
+        (knob_mesh, (BLACK_PLASTIC, beech(), steel())[int(rng.integers(3))]),
     ]
 
 
 def pan(rng: np.random.Generator) -> Pieces:
     """A frying pan, its handle towards +x; the origin is below the pan's middle."""
-    radius = 0.13 * rng.uniform(0.95, 1.05)
+    radius = 0.13 * rng.uniform(0.9, 1.05)
     profile = [
         (0.0, 0.0),
         (radius * 0.80, 0.0),
@@ -69,13 +80,22 @@ def pan(rng: np.random.Generator) -> Pieces:
     grip = tube(
         [[radius - 0.006, 0, 0.04], [radius + 0.05, 0, 0.05], [radius + 0.17, 0, 0.062]], [0.008, 0.0105, 0.012]
     )
-    handle = Material(from_hex("#6a4426"), roughness=0.4) if rng.random() < 0.6 else BLACK_PLASTIC
-    return [(lathe(smooth_profile(profile), 48), CAST_IRON), (grip, handle)]
+    handle = (
+        Material(from_hex(pick(rng, ("#6a4426", "#8f5f34", "#c08a50", "#3a2618"))), roughness=0.4),
+        BLACK_PLASTIC,
+        steel(),
+        glazed(pick(rng, PALETTE)),
+    )[int(rng.integers(4))]
+    metal = (CAST_IRON, CAST_IRON, steel(), Material(from_hex("#a8623c"), roughness=0.25, metalness=0.9))
+    inside = lathe(smooth_profile(profile[5:]), 40)
+    outside = lathe(smooth_profile(profile[:6]), 40)
+    shell = glazed(pick(rng, PALETTE)) if rng.random() < 0.3 else metal[int(rng.integers(4))]
+    return [(outside, shell), (inside, CAST_IRON if rng.random() < 0.7 else shell), (grip, handle)]
 
 
 def kettle(rng: np.random.Generator) -> Pieces:
     """A stove-top kettle, spout towards +x, with an arched handle."""
-    size = rng.uniform(0.97, 1.08)
+    size, tall = rng.uniform(0.97, 1.06), rng.uniform(0.88, 1.08)
     belly = [(0.0, 0.0), (0.088, 0.0), (0.097, 0.008), (0.095, 0.06), (0.072, 0.135), (0.04, 0.158), (0.036, 0.159)]
     lid = [(0.039, 0.157), (0.039, 0.161), (0.02, 0.168), (0.0, 0.170)]
     knob = [(0.006, 0.0), (0.006, 0.006), (0.015, 0.012), (0.013, 0.022), (0.0, 0.025)]
@@ -84,23 +104,26 @@ def kettle(rng: np.random.Generator) -> Pieces:
     bow[:, 2] = 0.14 + (bow[:, 2] - 0.14) * 1.15
     grip = arc((0.0, 0.0, 0.14), 0.082, 50, 130, 12)
     grip[:, 2] = 0.14 + (grip[:, 2] - 0.14) * 1.15
-    enamel = glazed(pick(rng, ("#c22a26", "#2a8f8f", "#e0a52a", "#2f5fa0")), 0.1)
+    enamel = steel() if rng.random() < 0.2 else glazed(pick(rng, PALETTE), 0.1)
     pieces: Pieces = [
-        (merge([lathe(smooth_profile(belly), 48), lathe(smooth_profile(lid), 36), spout]), enamel),
+        (merge([lathe(smooth_profile(belly), 36), lathe(smooth_profile(lid, 1), 32), spout]), enamel),
         (tube(bow, 0.005, 10), CHROME),
         (
             merge([tube(grip, 0.0105, 12), transform(lathe(smooth_profile(knob), 20), (0.0, 0.0, 0.168))]),
-            BLACK_PLASTIC,
+            BLACK_PLASTIC if rng.random() < 0.6 else beech(),
         ),
     ]
-    return [(transform(mesh, scale=size), material) for mesh, material in pieces]
+    return [(transform(mesh, scale=(size, size, size * tall)), material) for mesh, material in pieces]
 
 
 def toaster(rng: np.random.Generator) -> Pieces:
     """A two-slot toaster, long side along x, lever and dial on its +x end."""
-    width, depth, height = 0.29 * rng.uniform(0.96, 1.05), 0.175, 0.19
-    shell = steel() if rng.random() < 0.4 else glazed(pick(rng, ("#b9d2c4", "#d2523f", "#f0e4c8")))
-    body = transform(rounded_box((width, depth, height - 0.018), 0.034, 4), (0.0, 0.0, 0.018 + (height - 0.018) / 2))
+    width, depth, height = 0.29 * rng.uniform(0.92, 1.05), 0.175, 0.19 * rng.uniform(0.92, 1.05)
+    shell = steel() if rng.random() < 0.4 else glazed(pick(rng, (*PALETTE, "#b9d2c4", "#f0e4c8")))
+    body = transform(
+        rounded_box((width, depth, height - 0.018), rng.uniform(0.014, 0.05), 4),
+        (0.0, 0.0, 0.018 + (height - 0.018) / 2),
+    )
     foot = transform(rounded_box((width - 0.03, depth - 0.025, 0.022), 0.006), (0.0, 0.0, 0.011))
     slots = [
         transform(rounded_box((width * 0.68, 0.026, 0.006), 0.002), (0.0, y, height + 0.0008))
@@ -118,15 +141,21 @@ def toaster(rng: np.random.Generator) -> Pieces:
 
 def knife_block(rng: np.random.Generator) -> Pieces:
     """A slanting wooden block with six knives, handles towards -y."""
-    lean = rng.uniform(0.36, 0.48)
-    block_wood = wood("#5a3a22", "#8a6038", 3) if rng.random() < 0.5 else beech()
+    lean = rng.uniform(0.34, 0.43)
+    block_wood = (
+        wood("#5a3a22", "#8a6038", 3),
+        beech(),
+        wood("#3a2418", "#5f4028", 2),
+        Material(from_hex("#26272a"), roughness=0.4),
+    )[int(rng.integers(4))]
+    grip = plastic(pick(rng, (*PALETTE, "#2b2b2d", "#2b2b2d"))) if rng.random() < 0.6 else BLACK_PLASTIC
     pieces: Pieces = [(transform(rounded_box((0.105, 0.125, 0.21), 0.006, 1, 3.0), (0.0, 0.0, 0.105)), block_wood)]
     for row, y in enumerate((-0.032, 0.028)):
         for x in (-0.033, 0.0, 0.033):
             length = 0.105 - 0.02 * row - rng.uniform(0, 0.012)
             handle = rounded_box((0.015, 0.024, length), 0.006)
             bolster = rounded_box((0.012, 0.020, 0.012), 0.002)
-            pieces.append((transform(handle, (x, y, 0.2195 + length / 2)), BLACK_PLASTIC))
+            pieces.append((transform(handle, (x, y, 0.2195 + length / 2)), grip))
             pieces.append((transform(bolster, (x, y, 0.2145)), CHROME))
             rivets = [
                 transform(cylinder(0.0028, 0.0164, 10), (x - 0.0082, y, 0.2195 + length * f), (0.0, 90.0, 0.0))

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms.boxes import rounded_box
+from active_perceiver.rooms import prints_patterns
 from active_perceiver.rooms.curves import cylinder, disc, lathe, leaf, smooth_profile, sphere, tube
 from active_perceiver.rooms.geometry import Mesh, merge, transform
 from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.objects.tableware import pick
+from active_perceiver.rooms.objects.shaping import PALETTE, pick, prism, rounded_rectangle, two_colours
 from active_perceiver.rooms.pieces import Pieces, placed
-from active_perceiver.rooms.surfaces import beech, glazed, steel, wood
-
-GREEN = Material(from_hex("#4f8a3a"), roughness=0.5)
-FRESH_GREEN = Material(from_hex("#7fae4a"), roughness=0.5)
+from active_perceiver.rooms.surfaces import beech, glazed, printed, steel, wood
 
 
 def _leaves(
@@ -31,26 +28,6 @@ def _leaves(
         turn = 360 * index / count * 2.4 + rng.uniform(-12, 12)
         blades.append(transform(transform(blade, (rim * rng.uniform(0.2, 1), 0, 0)), rotate=(0.0, 0.0, turn)))
     return merge(blades)
-
-
-def vase(rng: np.random.Generator) -> Pieces:
-    """A vase with leaves and tulips."""
-    colour = pick(rng, ("#3a6f9a", "#e8e2d4", "#b86a4a", "#4a7a6a"))
-    profile = [(0.0, 0.0), (0.045, 0.0), (0.05, 0.006), (0.068, 0.075), (0.052, 0.14), (0.032, 0.175), (0.040, 0.2)]
-    inside = [(0.040, 0.2), (0.036, 0.2), (0.029, 0.175), (0.04, 0.15), (0.0, 0.148)]
-    body = lathe(smooth_profile([*profile, *inside[1:]]), 40)
-    leaves = transform(_leaves(rng, 12, (0.13, 0.22), 0.035, (0.2, 0.75), 0.014), (0.0, 0.0, 0.17))
-    stems, flowers = [], []
-    petal = [(0.0, 0.0), (0.012, 0.003), (0.020, 0.018), (0.019, 0.036), (0.011, 0.05), (0.004, 0.05), (0.0, 0.038)]
-    for index in range(7):
-        angle, spread = 2 * np.pi * index / 7 + rng.uniform(-0.2, 0.2), rng.uniform(0.02, 0.085)
-        tip = np.array([spread * np.cos(angle), spread * np.sin(angle), rng.uniform(0.31, 0.38)])
-        x, y, _ = tip
-        path = smooth_profile([[0.2 * x, 0.2 * y, 0.155], [0.35 * x, 0.35 * y, 0.26], list(tip)])
-        stems.append(tube(path, 0.0028, 8))
-        flowers.append(transform(lathe(smooth_profile(petal), 18), (tip[0], tip[1], tip[2] - 0.003)))
-    bloom = Material(from_hex(pick(rng, ("#e8523f", "#f2b32c", "#e87aa0", "#f4efe4"))), roughness=0.6)
-    return [(body, glazed(colour)), (merge([leaves, *stems]), GREEN), (merge(flowers), bloom)]
 
 
 def herb_pot(rng: np.random.Generator) -> Pieces:
@@ -74,7 +51,10 @@ def herb_pot(rng: np.random.Generator) -> Pieces:
         tube([[0.01 * x, 0.01 * y, 0.08], [0.014 * x, 0.014 * y, 0.16]], 0.002, 6)
         for x, y in ((1, 0), (-1, 1), (0, -1))
     ]
-    return [(pot, Material(from_hex("#c4744a"), roughness=0.8)), (merge([*bush, *stems]), FRESH_GREEN)]
+    earthen = Material(from_hex(pick(rng, ("#c4744a", "#a85a38", "#d88a60"))), roughness=0.8)
+    green = Material(from_hex(pick(rng, ("#7fae4a", "#5a8f3c", "#9fb87a", "#4a7a4a", "#6f9a8a"))), roughness=0.5)
+    ware = earthen if rng.random() < 0.5 else glazed(pick(rng, PALETTE), 0.3)
+    return placed([(pot, ware), (merge([*bush, *stems]), green)], scale=rng.uniform(0.9, 1.12))
 
 
 def floor_plant(rng: np.random.Generator) -> Pieces:
@@ -92,7 +72,9 @@ def floor_plant(rng: np.random.Generator) -> Pieces:
     pot = lathe(smooth_profile(profile, 1), 40)
     soil = disc(0.147, 0.283)
     leaves = transform(_leaves(rng, 26, (0.5, 0.85), 0.085, (0.05, 0.34), 0.07), (0.0, 0.0, 0.26))
-    return [(pot, glazed("#e6dfd0", 0.5)), (soil, Material(from_hex("#4a3526"), roughness=0.95)), (leaves, GREEN)]
+    ware = glazed("#e6dfd0" if rng.random() < 0.4 else pick(rng, PALETTE), float(rng.choice([0.2, 0.5])))
+    green = Material(from_hex(pick(rng, ("#4f8a3a", "#3f7a44", "#6f9a44", "#2f6a3c"))), roughness=0.5)
+    return [(pot, ware), (soil, Material(from_hex("#4a3526"), roughness=0.95)), (leaves, green)]
 
 
 def utensil_crock(rng: np.random.Generator) -> Pieces:
@@ -119,7 +101,7 @@ def utensil_crock(rng: np.random.Generator) -> Pieces:
         ladle = transform(sphere(0.021, 18, 1.35), (high[0], high[1], high[2] - 0.008), (0, 0, 0), 1.0)
         (spoons if index % 2 == 0 else steels).append(merge([stick, ladle]))
     return [
-        (crock, glazed(pick(rng, ("#e9e2d2", "#6f8fa0", "#a8583a")))),
+        (crock, glazed(pick(rng, PALETTE))),
         (merge(spoons), beech()),
         (merge(steels), steel()),
     ]
@@ -127,8 +109,19 @@ def utensil_crock(rng: np.random.Generator) -> Pieces:
 
 def cutting_board(rng: np.random.Generator) -> Pieces:
     """A wooden board lying along x, 2 cm thick."""
-    board = rounded_box((0.36 * rng.uniform(0.95, 1.05), 0.22, 0.02), 0.006, 2, 2.0, base=True)
-    return [(board, wood("#9a6a3a", "#c9955a", 4))]
+    width, depth, thick = rng.uniform(0.32, 0.38), rng.uniform(0.2, 0.25), rng.uniform(0.016, 0.024)
+    timber = (
+        wood("#9a6a3a", "#c9955a", 4),
+        beech(),
+        wood("#5a3a22", "#8a6038", 3),
+        wood("#b08a5c", "#ead0a0", 7),
+        wood("#6a3a24", "#a8643c", 9),
+    )[int(rng.integers(5))]
+    corner = float(rng.choice([0.012, 0.03, 0.09]))
+    board = prism(rounded_rectangle(width, depth, corner, 6), thick, 0.004, 2.0)
+    strip = prism(rounded_rectangle(0.02, depth - 2 * corner, 0.004), 0.001, 0.0003, 2.0)
+    inlay = transform(strip, (width * rng.choice([-0.38, 0.38]), 0.0, thick - 0.0002))
+    return [(board, timber), (inlay, wood("#3a2418", "#5f4028", 2) if rng.random() < 0.5 else timber)]
 
 
 def paper_roll(rng: np.random.Generator) -> Pieces:
@@ -137,22 +130,35 @@ def paper_roll(rng: np.random.Generator) -> Pieces:
     pole = transform(cylinder(0.008, 0.305, 14), (0.0, 0.0, 0.012))
     roll = transform(cylinder(0.055 * rng.uniform(0.9, 1.1), 0.23, 36, 0.003), (0.0, 0.0, 0.0155))
     knob = transform(sphere(0.014, 16), (0.0, 0.0, 0.308))
-    return [(merge([foot, pole, knob]), beech()), (roll, Material(from_hex("#f5f3ee"), roughness=0.9, specular=0.1))]
+    colour, other = two_colours(rng)
+    kind = pick(rng, ("leaves", "dots", "diamonds", "zigzag"))
+    paper = Material(from_hex("#f5f3ee"), roughness=0.9, specular=0.1)
+    if rng.random() < 0.6:
+        paper = printed(prints_patterns.pattern(kind, "#f7f5f0", colour, other, 6, 0.0), 0.9)
+    stand = (beech(), steel(), glazed(pick(rng, PALETTE)), wood("#4a2a18", "#7a4a2a", 1))[int(rng.integers(4))]
+    return [(merge([foot, pole, knob]), stand), (roll, paper)]
 
 
 def pepper_mill(rng: np.random.Generator) -> Pieces:
     """A turned wooden pepper mill."""
+    waist = rng.uniform(0.8, 1.25)
     profile = [
         (0.0, 0.0),
         (0.028, 0.0),
         (0.028, 0.02),
-        (0.02, 0.07),
-        (0.024, 0.11),
+        (0.02 * waist, 0.07),
+        (0.024 * waist, 0.11),
         (0.016, 0.125),
         (0.024, 0.15),
         (0.0, 0.172),
     ]
-    body = wood("#4a2a16", "#7a4a28", 6, 0.7) if rng.random() < 0.5 else beech()
+    body = (
+        wood("#4a2a16", "#7a4a28", 6, 0.7),
+        beech(),
+        wood("#241610", "#3f281a", 4, 0.7),
+        glazed(pick(rng, PALETTE)),
+        steel(),
+    )[int(rng.integers(5))]
     pieces: Pieces = [
         (lathe(smooth_profile(profile), 32), body),
         (transform(sphere(0.008, 14), (0.0, 0.0, 0.169)), steel()),

@@ -12,10 +12,13 @@ from active_perceiver.rooms.pieces import Pieces, bounds
 from active_perceiver.rooms.surfaces import STALK
 
 WHITE = (1.0, 1.0, 1.0)
+_REDS = (("#a5121c", "#d8863a"), ("#8a1018", "#b5402a"), ("#b8242a", "#e0b050"))
+_GREENS = (("#6fa52c", "#c4d66a"), ("#8fb83a", "#d8dc7a"), ("#5a9430", "#a8c45a"))
+_ORANGES = ("#f2831a", "#ee7412", "#f4922c")
 
 
 def _apple(rng: np.random.Generator, skin: textures.Texture) -> Pieces:
-    radius = 0.044 * rng.uniform(0.96, 1.08)
+    radius = 0.044 * rng.uniform(0.86, 1.1)
     angle = np.linspace(-np.pi / 2, np.pi / 2, 26)
     reach = radius * np.cos(angle) * (1 + 0.13 * np.sin(angle))
     height = radius * 0.95 * (np.sin(angle) + 1)
@@ -36,52 +39,58 @@ def _apple(rng: np.random.Generator, skin: textures.Texture) -> Pieces:
 
 def apple(rng: np.random.Generator) -> Pieces:
     """A red apple."""
-    return _apple(rng, textures.apple_skin("#a5121c", "#d8863a", int(rng.integers(3))))
+    return _apple(rng, textures.apple_skin(*_REDS[int(rng.integers(len(_REDS)))], int(rng.integers(4))))
 
 
 def green_apple(rng: np.random.Generator) -> Pieces:
     """A green apple."""
-    return _apple(rng, textures.apple_skin("#6fa52c", "#c4d66a", 10 + int(rng.integers(3))))
+    return _apple(rng, textures.apple_skin(*_GREENS[int(rng.integers(len(_GREENS)))], 10 + int(rng.integers(4))))
 
 
 def orange(rng: np.random.Generator) -> Pieces:
     """An orange."""
-    radius = 0.044 * rng.uniform(0.96, 1.08)
+    radius = 0.044 * rng.uniform(0.86, 1.1)
     angle = np.linspace(-np.pi / 2, np.pi / 2, 24)
     profile = np.stack([radius * np.cos(angle), 0.95 * radius * (np.sin(angle) + 1)], axis=1)
     profile[:, 1] -= 0.06 * radius * np.exp(-((profile[:, 0] / (0.16 * radius)) ** 2)) * np.sign(angle)
     profile[[0, -1], 0] = 0.0
     profile[:, 1] -= profile[:, 1].min()
-    peel = textures.citrus_peel("#f2831a", seed=int(rng.integers(3)))
+    peel = textures.citrus_peel(_ORANGES[int(rng.integers(3))], seed=int(rng.integers(4)))
     return [(lathe(profile, 32), Material(WHITE, peel, roughness=0.42))]
 
 
 def lemon(rng: np.random.Generator) -> Pieces:
     """A lemon lying on its side along x."""
-    size = rng.uniform(0.95, 1.08)
+    size = rng.uniform(0.88, 1.1)
     angle = np.linspace(-np.pi / 2, np.pi / 2, 28)
     reach = 0.031 * np.cos(angle) ** 0.85
     along = 0.040 * np.sin(angle) + 0.009 * np.sign(angle) * np.exp(-((reach / 0.009) ** 2))
     reach[[0, -1]] = 0.0
-    peel = textures.citrus_peel("#f6d224", "#c8a81c", seed=5)
+    peel = textures.citrus_peel(
+        ("#f6d224", "#f2c81c", "#efdc4a")[int(rng.integers(3))], "#c8a81c", int(rng.integers(4))
+    )
     body = transform(lathe(np.stack([reach, along], axis=1), 30), rotate=(0.0, 90.0, 0.0), scale=size)
     return [(transform(body, (0.0, 0.0, -float(bounds([body])[0, 2]))), Material(WHITE, peel, roughness=0.36))]
 
 
 def banana(rng: np.random.Generator) -> Pieces:
-    """A bunch of three bananas lying on their side, joined at the stalk."""
+    """A bunch of three or four bananas lying on their side, joined at the stalk."""
     points, bend = 18, 0.125 * rng.uniform(0.95, 1.1)
-    skin = Material(WHITE, textures.banana_skin(seed=int(rng.integers(3))), roughness=0.42)
+    skin = Material(
+        WHITE,
+        textures.banana_skin(("#f2ca3a", "#ecc02c", "#e8d04a")[int(rng.integers(3))], int(rng.integers(4))),
+        roughness=0.42,
+    )
     path = arc((0.0, 0.0, 0.0), bend, -152, -48, points, "xy")
     start = path[0].copy()
     thickness = np.interp(np.linspace(0, 1, points), [0, 0.08, 0.2, 0.5, 0.85, 0.97, 1], [5, 6, 16, 20, 16, 7, 4])
     pieces: Pieces = []
-    for index in range(3):
+    for index in range(int(rng.integers(3, 5))):
         fruit = tube(path - start, thickness * 0.001 * rng.uniform(0.95, 1.04), 10)
         # v runs from the stalk, the texture from the tip.
         flipped = fruit.uvs * [1.0, -1.0] + [0.0, 1.0]
         fruit = type(fruit)(fruit.vertices, fruit.normals, flipped, fruit.faces)
-        fruit = transform(fruit, rotate=(0.0, -4.0 * index, 14.0 * index + rng.uniform(-2, 2)))
+        fruit = transform(fruit, rotate=(0.0, -4.0 * (index % 2), 14.0 * index + rng.uniform(-2, 2)))
         pieces.append((fruit, skin))
     box = bounds(mesh for mesh, _ in pieces)
     centre = (box[0] + box[1]) / 2
@@ -91,7 +100,7 @@ def banana(rng: np.random.Generator) -> Pieces:
 
 def bread(rng: np.random.Generator) -> Pieces:
     """A loaf with cuts across its crust, lying along x."""
-    length, width, height = 0.28 * rng.uniform(0.95, 1.06), 0.125, 0.105 * rng.uniform(0.95, 1.06)
+    length, width, height = rng.uniform(0.24, 0.3), rng.uniform(0.11, 0.135), rng.uniform(0.09, 0.115)
     across, around = 34, 36
     along = np.sin(np.linspace(-np.pi / 2, np.pi / 2, across))
     angle = np.linspace(-np.pi / 2, 1.5 * np.pi, around + 1)
@@ -108,4 +117,15 @@ def bread(rng: np.random.Generator) -> Pieces:
     u, v = np.meshgrid(np.linspace(0, 1, across), np.linspace(0, 1, around + 1), indexing="ij")
     mesh = smooth_normals(vertices, np.stack([u, v], axis=-1).reshape(-1, 2), grid_faces(across, around + 1))
     mesh = transform(mesh, (0.0, 0.0, -float(mesh.vertices[:, 2].min())))
-    return [(mesh, Material(WHITE, textures.bread_crust(int(rng.integers(3))), roughness=0.75, specular=0.25))]
+    shade = float(rng.uniform(0.72, 1.0))
+    return [
+        (
+            mesh,
+            Material(
+                (shade, shade * 0.98, shade * 0.95),
+                textures.bread_crust(int(rng.integers(6))),
+                roughness=0.75,
+                specular=0.25,
+            ),
+        )
+    ]

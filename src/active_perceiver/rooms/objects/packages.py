@@ -1,4 +1,4 @@
-"""Things in packages: bottle, cereal, milk, can, soap, spray bottle, book."""
+"""Things in packages: bottle, cereal, milk, can, soap, spray bottle."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from active_perceiver.rooms.boxes import rounded_box
 from active_perceiver.rooms.curves import cylinder, lathe, smooth_profile, tube
 from active_perceiver.rooms.geometry import Mesh, merge, quad, transform
 from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.objects.tableware import pick
-from active_perceiver.rooms.pieces import Pieces, placed
-from active_perceiver.rooms.surfaces import PAPER, WHITE_PAINT, glazed, plastic, printed, steel
+from active_perceiver.rooms.objects.shaping import PALETTE, pick, two_colours
+from active_perceiver.rooms.pieces import Pieces
+from active_perceiver.rooms.surfaces import WHITE_PAINT, glazed, plastic, printed, steel
 
 
 def _sides(width: float, depth: float, height: float) -> tuple[Mesh, Mesh]:
@@ -31,17 +31,32 @@ def _sides(width: float, depth: float, height: float) -> tuple[Mesh, Mesh]:
 def bottle(rng: np.random.Generator) -> Pieces:
     """A tall bottle of oil or wine with a label and a cap."""
     size = rng.uniform(0.95, 1.06)
-    glass, label, accent, cap = (
-        ("#1f5a34", "#f3ead2", "#a3262a", "#8f1f26"),
-        ("#6a7a1c", "#f7f2e2", "#4f7a2c", "#26221e"),
-        ("#5a1f24", "#efe4cc", "#b08a2c", "#c7a14a"),
-    )[int(rng.integers(3))]
-    profile = [(0.0, 0.0), (0.036, 0.0), (0.040, 0.006), (0.040, 0.17), (0.037, 0.2), (0.017, 0.235), (0.0145, 0.295)]
+    glass = pick(rng, ("#1f5a34", "#6a7a1c", "#5a1f24", "#7a4a1c", "#c9b04a", "#1f3a5a", "#d8e0dc", "#26282a"))
+    label, accent, ink = (
+        pick(rng, ("#f3ead2", "#f7f2e2", "#efe4cc", "#ffffff", "#26282d")),
+        pick(rng, PALETTE),
+        "#3a2a1c",
+    )
+    cap = pick(rng, ("#8f1f26", "#26221e", "#c7a14a", "#f2f2ef", *PALETTE))
+    title = pick(rng, ("OLIO", "VINO", "SYRUP", "CIDER", "JUICE", "ROSSO", "TONIC"))
+    # Shoulders: round, sloping as of burgundy, high as of a flask, long-necked.
+    body, shoulder, neck = ((0.17, 0.2, 0.235), (0.135, 0.18, 0.25), (0.19, 0.215, 0.232), (0.12, 0.15, 0.19))[
+        int(rng.integers(4))
+    ]
+    profile = [
+        (0.0, 0.0),
+        (0.036, 0.0),
+        (0.040, 0.006),
+        (0.040, body),
+        (0.036, shoulder),
+        (0.017, neck),
+        (0.0145, 0.295),
+    ]
     pieces: Pieces = [
-        (lathe(smooth_profile([*profile, (0.0, 0.296)]), 40), Material(from_hex(glass), roughness=0.06, coat=1.0)),
+        (lathe(smooth_profile([*profile, (0.0, 0.296)]), 36), Material(from_hex(glass), roughness=0.06, coat=1.0)),
         (
-            lathe([(0.0406, 0.05), (0.0406, 0.145)], 40, (2.0, 1.0)),
-            printed(prints.wrap_label("OLIO", label, accent, "#3a2a1c")),
+            lathe([(0.0406, body * 0.22), (0.0406, body * 0.8)], 36, (2.0, 1.0)),
+            printed(prints.wrap_label(title, label, accent, "#efe4cc" if label == "#26282d" else ink)),
         ),
         (transform(cylinder(0.0168, 0.034), (0.0, 0.0, 0.268)), plastic(cap, 0.3)),
     ]
@@ -51,23 +66,35 @@ def bottle(rng: np.random.Generator) -> Pieces:
 def cereal(rng: np.random.Generator) -> Pieces:
     """A box of cereal, its front towards -y."""
     width, depth, height = 0.19 * rng.uniform(0.95, 1.05), 0.065, 0.285 * rng.uniform(0.97, 1.05)
-    brand, ground, accent = (
-        ("CRUNCH", "#d2342c", "#e8643a"),
-        ("HOOPS", "#2456a8", "#3a78c8"),
-        ("OATIES", "#e08a1c", "#f0a83a"),
-    )[int(rng.integers(3))]
+    brand = pick(rng, ("CRUNCH", "HOOPS", "OATIES", "FLAKES", "PUFFS", "MUESLI", "STARS", "BRAN"))
+    ground, accent = pick(
+        rng,
+        (
+            "#d2342c #e8643a",
+            "#2456a8 #3a78c8",
+            "#e08a1c #f0a83a",
+            "#3a8a4a #6ab06a",
+            "#7a4f96 #a078b8",
+            "#2f8f86 #5ab0a8",
+            "#c8588f #e088b0",
+            "#6a4028 #946440",
+        ),
+    ).split()
     front, side = _sides(width, depth, height)
     lid = quad((-width / 2, -depth / 2, height), (width, 0, 0), (0, depth, 0))
     floor = quad((-width / 2, depth / 2, 0), (width, 0, 0), (0, -depth, 0))
     plain = Material(from_hex(ground), roughness=0.5, specular=0.35)
-    return [(front, printed(prints.cereal_box(brand, ground, accent))), (merge([side, lid, floor]), plain)]
+    return [
+        (front, printed(prints.cereal_box(brand, ground, accent, int(rng.integers(3))))),
+        (merge([side, lid, floor]), plain),
+    ]
 
 
 def milk(rng: np.random.Generator) -> Pieces:
     """A gable-top milk carton."""
     width, height, gable = 0.09, 0.185 * rng.uniform(0.97, 1.06), 0.052
     half = width / 2
-    colour = pick(rng, ("#2a6ab8", "#2f9a5a", "#c83a6a"))
+    colour = pick(rng, ("#2a6ab8", "#2f9a5a", "#c83a6a", *PALETTE[:12]))
     wide, narrow = _sides(width, width, height)
     roof = [
         quad((-half, -half, height), (width, 0, 0), (0, half - 0.001, gable)),
@@ -85,7 +112,10 @@ def milk(rng: np.random.Generator) -> Pieces:
     white = Material(from_hex("#f7f8fa"), roughness=0.4)
     floor = quad((-half, half, 0), (width, 0, 0), (0, -width, 0))
     return [
-        (merge([wide, narrow]), printed(prints.milk_carton("MILK", colour), 0.4)),
+        (
+            merge([wide, narrow]),
+            printed(prints.milk_carton(pick(rng, ("MILK", "MILK", "OAT", "SOY", "CREAM")), colour), 0.4),
+        ),
         (merge([*roof, *gables, floor]), Material(from_hex(colour), roughness=0.4)),
         (fin, white),
         (cap, plastic(colour)),
@@ -94,12 +124,17 @@ def milk(rng: np.random.Generator) -> Pieces:
 
 def can(rng: np.random.Generator) -> Pieces:
     """A tin can with a paper label."""
-    radius, height = 0.040 * rng.uniform(0.95, 1.05), 0.115 * rng.uniform(0.95, 1.06)
+    radius, height = 0.040 * rng.uniform(0.9, 1.08), 0.115 * rng.uniform(0.72, 1.1)
     title, ground, accent, ink = (
         ("SOUP", "#c22a24", "#f0c040", "#fff6e4"),
         ("BEANS", "#2a7a6a", "#e8843a", "#fff6e4"),
         ("CORN", "#3a8a3a", "#f5d040", "#fffbe8"),
-    )[int(rng.integers(3))]
+        ("TUNA", "#24507a", "#8fc0e0", "#fff6e4"),
+        ("PEAS", "#efe6d2", "#4f8a3a", "#2f4a24"),
+        ("PEARS", "#e8c23a", "#8fae3a", "#4a3a1c"),
+        ("TOMATO", "#f2efe6", "#c22f2a", "#7a1f1a"),
+        ("COCOA", "#5a3422", "#d8a860", "#f4e4c8"),
+    )[int(rng.integers(8))]
     metal = [
         (0.0, 0.0025),
         (radius - 0.003, 0.0025),
@@ -126,23 +161,38 @@ def can(rng: np.random.Generator) -> Pieces:
 def soap(rng: np.random.Generator) -> Pieces:
     """A pump bottle of soap, its spout towards +x."""
     size = rng.uniform(1.0, 1.12)
-    colour = pick(rng, ("#3fb0a0", "#e07aa0", "#8fc04a"))
-    body = [(0.0, 0.0), (0.036, 0.0), (0.040, 0.006), (0.040, 0.12), (0.030, 0.138), (0.014, 0.144), (0.014, 0.152)]
+    colour, other = two_colours(rng)
+    foot, top = ((0.040, 0.040), (0.042, 0.034), (0.034, 0.041))[int(rng.integers(3))]
+    body = [
+        (0.0, 0.0),
+        (foot - 0.004, 0.0),
+        (foot, 0.006),
+        (foot, 0.03),
+        (top, 0.115),
+        (top * 0.8, 0.136),
+        (0.014, 0.144),
+        (0.014, 0.152),
+    ]
     collar = transform(cylinder(0.016, 0.018, 24), (0.0, 0.0, 0.148))
     spout = smooth_profile([[-0.014, 0, 0.203], [0.02, 0, 0.203], [0.046, 0, 0.203], [0.052, 0, 0.192]])
     pump = merge([collar, tube([[0, 0, 0.165], [0, 0, 0.2]], 0.0055), tube(spout, 0.0075)])
-    label = lathe([(0.0406, 0.04), (0.0406, 0.1)], 36, (2.0, 1.0))
+    low, high = np.interp([0.045, 0.095], [0.03, 0.115], [foot, top]) + 0.0007
+    label = lathe([(low, 0.045), (high, 0.095)], 36, (2.0, 1.0))
     pieces: Pieces = [
         (lathe(smooth_profile([*body, (0.0, 0.1525)]), 36), glazed(colour, 0.1)),
-        (label, printed(prints.wrap_label("SOAP", "#f7f7f2", colour, "#2f5f5a"))),
-        (pump, WHITE_PAINT),
+        (
+            label,
+            printed(prints.wrap_label(pick(rng, ("SOAP", "LIMA", "ALOE", "FRESH")), "#f7f7f2", other, "#2f5f5a")),
+        ),
+        (pump, (WHITE_PAINT, plastic("#26272a"), steel(), plastic(other))[int(rng.integers(4))]),
     ]
     return [(transform(mesh, scale=size), material) for mesh, material in pieces]
 
 
 def spray_bottle(rng: np.random.Generator) -> Pieces:
     """A cleaner's spray bottle: trigger and nozzle towards +x."""
-    colour, head = (("#4aa8e0", "#f0f0ee"), ("#f2c31c", "#d23a2c"), ("#f4f4f2", "#2f8f5a"))[int(rng.integers(3))]
+    colour, head = two_colours(rng)
+    width, tall = rng.uniform(0.85, 1.1), rng.uniform(0.9, 1.05)
     body = transform(lathe(smooth_profile(_SPRAY), 36), scale=(1.0, 0.68, 1.0))
     neck = transform(cylinder(0.017, 0.028, 24), (0.0, 0.0, 0.168))
     top = transform(rounded_box((0.085, 0.028, 0.036), 0.010, 2), (0.016, 0.0, 0.213))
@@ -151,9 +201,10 @@ def spray_bottle(rng: np.random.Generator) -> Pieces:
     pieces: Pieces = [
         (body, plastic(colour, 0.2)),
         (merge([neck, top]), plastic(head)),
-        (merge([nozzle, trigger]), plastic("#d2402c")),
+        (merge([nozzle, trigger]), plastic(pick(rng, ("#d2402c", "#f2f2ef", "#26272a", colour)))),
     ]
-    return placed(pieces, scale=rng.uniform(1.0, 1.12))
+    size = rng.uniform(1.0, 1.12)
+    return [(transform(mesh, scale=(size * width, size * width, size * tall)), material) for mesh, material in pieces]
 
 
 _SPRAY = (
@@ -166,34 +217,3 @@ _SPRAY = (
     (0.018, 0.172),
     (0.0, 0.173),
 )
-
-
-def book(rng: np.random.Generator) -> Pieces:
-    """A hardback lying on its back, its front cover up, spine towards -x."""
-    width, depth, height = (
-        0.17 * rng.uniform(0.95, 1.08),
-        0.235 * rng.uniform(0.95, 1.05),
-        0.034 * rng.uniform(0.9, 1.2),
-    )
-    title, ground, accent = (
-        ("THE KITCHEN BOOK", "#1f5f6a", "#f0b03a"),
-        ("BREAD AND SALT", "#a8352a", "#f3d9a0"),
-        ("SOUPS", "#3a5a2a", "#e89a3a"),
-    )[int(rng.integers(3))]
-    board = 0.003
-    cover = Material(from_hex(ground), roughness=0.5)
-    boards = [
-        rounded_box((width, depth, board), 0.0012, base=True),
-        transform(rounded_box((width, depth, board), 0.0012, base=True), (0.0, 0.0, height - board)),
-        transform(
-            rounded_box((board, depth, height - 2 * board + 0.0004), 0.0005),
-            (-width / 2 + board / 2, 0.0, height / 2),
-        ),
-    ]
-    pages = transform(
-        rounded_box((width - 0.009, depth - 0.008, height - 2 * board + 0.0006), 0.0008), (-0.0008, 0.0, height / 2)
-    )
-    front = quad(
-        (-width / 2 + 0.002, -depth / 2 + 0.002, height + 0.0005), (width - 0.004, 0, 0), (0, depth - 0.004, 0)
-    )
-    return [(merge(boards), cover), (pages, PAPER), (front, printed(prints.book_cover(title, ground, accent), 0.4))]

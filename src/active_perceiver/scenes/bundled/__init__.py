@@ -9,6 +9,16 @@ from active_perceiver.scenes.storage import load_scene
 
 FOLDER = Path(__file__).parent
 
+# Four objects in each room, as in the paper's tables; sixteen different ones in the four rooms of the simulation.
+# What else is annotated can be searched for as well.
+TARGETS_OF_RECORD: dict[str, tuple[str, ...]] = {
+    "kitchen_1": ("mug", "plate", "bread", "apple"),
+    "kitchen_2": ("bowl", "kettle", "toaster", "banana"),
+    "living_room_1": ("remote_control", "laptop", "lamp", "cushion"),
+    "living_room_2": ("book", "vase", "clock", "bag"),
+    "conference_room": ("scissors", "stapler", "mug", "bag"),
+}
+
 
 def bundled_names() -> list[str]:
     """Names of the shipped scenes."""
