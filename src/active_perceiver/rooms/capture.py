@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from active_perceiver.progress import Report, quiet
 from active_perceiver.rooms.camera import render
 from active_perceiver.rooms.camera_faults import view_rng, with_faults
-from active_perceiver.rooms.capture_settings import CaptureError, CaptureSettings
+from active_perceiver.rooms.capture_settings import CaptureSettings
 from active_perceiver.rooms.capture_store import CaptureStore
 from active_perceiver.rooms.compiled import compile_room
 from active_perceiver.rooms.free_space import free_positions, without_collisions
+from active_perceiver.rooms.kept_work import do_missing, light_arrays, lit_room
 from active_perceiver.rooms.lighting import BakedRoom, bake
 from active_perceiver.rooms.room import Room
 from active_perceiver.rooms.studio import HELD_OUT, SETUPS, TargetError, studio_pictures
-from active_perceiver.rooms.workers import run_parallel
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.lattice import lattice_poses, lattice_transitions
 from active_perceiver.scenes.scene import FloorPlan, Scene, Target
@@ -47,14 +47,7 @@ class _Studio:
 
     @cached_property
     def baked(self) -> BakedRoom:
-        arrays = self.store.loaded(LIGHT)
-        light: dict[str, Any] = {name: array if array.ndim else array.item() for name, array in arrays.items()}
-        surfaces = compile_room(self.room)
-        if len(light["total"]) != len(surfaces.positions):
-            raise CaptureError(
-                f"{self.store.folder} holds the light of another room; begin anew with --force, without --resume"
-            )
-        return BakedRoom(room=self.room, surfaces=surfaces, **light)
+        return lit_room(self.room, compile_room(self.room), self.store.loaded(LIGHT))
 
 
 def _silent(label: str) -> AbstractContextManager[Report]:
@@ -102,14 +95,14 @@ def capture(
     studio = _Studio(room, settings, seed, store)
     with progress("light") as report:
         if store.load(LIGHT) is None:
-            _keep_light(bake(room, settings.bake_rays, settings.bounces, seed, report), store)
+            store.save(LIGHT, **light_arrays(bake(room, settings.bake_rays, settings.bounces, seed, report)))
     views = [f"view-{state:05}" for state in range(len(poses))]
     with progress("views") as report:
-        _do_missing(_photograph, studio, views, poses.tolist(), workers, report)
+        do_missing(_photograph, studio, store, views, poses.tolist(), workers, report)
     alone = [(name, setup) for name in room.targets for setup in range(SETUPS)]
     pictures = [f"target-{number // SETUPS:03}-{number % SETUPS}" for number in range(len(alone))]
     with progress("target pictures") as report:
-        _do_missing(_photograph_alone, studio, pictures, alone, workers, report)
+        do_missing(_photograph_alone, studio, store, pictures, alone, workers, report)
     targets = []
     for row, (name, category) in enumerate(room.targets.items()):
         of_target = [
@@ -132,33 +125,6 @@ def capture(
         source=f"active-perceiver room {room.name}, rendered with Embree",
         floor_plan=_floor_plan(room),
     )
-
-
-def _keep_light(baked: BakedRoom, store: CaptureStore) -> None:
-    """Keep what was baked; the surfaces follow from the room."""
-    names = [field.name for field in fields(baked) if field.name not in ("room", "surfaces")]
-    store.save(LIGHT, **{name: np.asarray(getattr(baked, name)) for name in names})
-
-
-def _do_missing(
-    work: Callable[[_Studio, tuple[str, Any]], None],
-    studio: _Studio,
-    keys: Sequence[str],
-    jobs: Sequence[Any],
-    workers: int | None,
-    report: Report,
-) -> None:
-    """Do those pieces of work that the store does not hold; the processes write them there themselves."""
-    missing = studio.store.missing(keys)
-    before = len(keys) - len(missing)
-    if missing:
-        run_parallel(
-            work,
-            studio,
-            [(keys[number], jobs[number]) for number in missing],
-            workers,
-            lambda done, total, note="": report(before + done, len(keys), note),
-        )
 
 
 def _floor_plan(room: Room) -> FloorPlan:
@@ -204,19 +170,38 @@ def _check_targets(room: Room) -> None:
         raise TargetError(f"room '{room.name}' has no targets; there would be nothing to search")
 
 
-def _photograph(studio: _Studio, job: tuple[str, Sequence[float]]) -> None:
-    """One view, encoded, and its boxes."""
-    key, pose = job
+def photograph(
+    baked: BakedRoom, settings: CaptureSettings, pose: Sequence[float], targets: Sequence[str], seed: int
+) -> dict[str, NDArray[Any]]:
+    """What the robot's camera sees.
+
+    Args:
+        baked: the room.
+        settings: of the camera.
+        pose: x, y in metres, heading and tilt in degrees.
+        targets: names of those whose boxes are wanted; a room need not hold them all.
+        seed: of the camera's faults.
+
+    Returns:
+        "image", the encoded view as uint8, and "boxes" (T, 4), see `boxes_from_mask`.
+    """
     x, y, heading, tilt = pose
-    settings, baked = studio.settings, studio.baked
     position = (x, y, settings.camera_height)
     rendering = render(baked, position, heading, tilt, settings.image_size, settings.fov, settings.samples)
     image = rendering.image
     if settings.faults is not None:
-        image = with_faults(image, settings.faults, view_rng(studio.seed, pose))
-    objects = [baked.object_names.index(name) for name in studio.room.targets]
+        image = with_faults(image, settings.faults, view_rng(seed, pose))
+    # A name that no object of the room has is found nowhere in the mask.
+    absent = len(baked.object_names)
+    objects = [baked.object_names.index(name) if name in baked.room.targets else absent for name in targets]
     blob = encode_image(image, quality=settings.webp_quality)
-    studio.store.save(key, image=np.frombuffer(blob, np.uint8), boxes=boxes_from_mask(rendering.mask, objects))
+    return {"image": np.frombuffer(blob, np.uint8), "boxes": boxes_from_mask(rendering.mask, objects)}
+
+
+def _photograph(studio: _Studio, job: tuple[str, Sequence[float]]) -> None:
+    """One view and its boxes."""
+    key, pose = job
+    studio.store.save(key, **photograph(studio.baked, studio.settings, pose, tuple(studio.room.targets), studio.seed))
 
 
 def _photograph_alone(studio: _Studio, job: tuple[str, tuple[str, int]]) -> None:

@@ -16,19 +16,17 @@ from numpy.typing import NDArray
 
 from active_perceiver import __version__
 from active_perceiver.progress import console, progress_bar
-from active_perceiver.rooms.camera import render
-from active_perceiver.rooms.camera_faults import view_rng, with_faults
-from active_perceiver.rooms.capture import Stage, boxes_from_mask
+from active_perceiver.rooms.capture import Stage, photograph
 from active_perceiver.rooms.capture_settings import DEFAULT_SETTINGS, CaptureError, CaptureSettings
 from active_perceiver.rooms.capture_store import CaptureStore
 from active_perceiver.rooms.compiled import compile_room
 from active_perceiver.rooms.kept_work import do_missing, light_arrays, lit_room
+from active_perceiver.rooms.layouts import LAYOUTS
 from active_perceiver.rooms.lighting import BakedRoom, bake
 from active_perceiver.rooms.other_rooms import OtherRoom, plan_rooms, shared_out
 from active_perceiver.rooms.placement import stream
-from active_perceiver.rooms.rendering import _check_output
+from active_perceiver.rooms.rendering import check_output
 from active_perceiver.rooms.vantage import Eye, poses_towards
-from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.lattice import TURTLEBOT_ACTIONS
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.scenes.storage import save_scene
@@ -113,7 +111,7 @@ def render_elsewhere(
         SceneError: if the scene has no target of one of the names.
         OutputExistsError: if the file, or interrupted work on it, exists and nothing says what to do with it.
     """
-    _check_output(out, force=force)
+    check_output(out, force=force)
     layout, seed = _origin(scene)
     if pictures < 1 or rooms < 1:
         raise CaptureError(f"there must be at least 1 picture and 1 room, got {pictures} and {rooms}")
@@ -124,7 +122,7 @@ def render_elsewhere(
         image_size=scene.image_size, fov=scene.fov, bake_rays=BAKE_RAYS,
     )  # fmt: skip
     with progress("other rooms") as report:
-        plan, fingerprints = plan_rooms(scene.target_names, wanted, seed, pictures, rooms)
+        plan, fingerprints = plan_rooms(scene.target_names, wanted, LAYOUTS[layout].things + seed, pictures, rooms)
         noted = _noted(scene, wanted, pictures, settings, fingerprints)
         store = CaptureStore.begin(out.with_name(f"{out.name}.part"), noted, force=force, resume=resume)
         studio = _Studio(plan, settings, scene.target_names, store)
@@ -222,17 +220,7 @@ def _shots(
 
 
 def _photograph(studio: _Studio, job: tuple[str, tuple[int, Sequence[float]]]) -> None:
-    """One photograph, encoded, and the boxes of all targets."""
+    """One photograph and the boxes of all targets."""
     key, (number, pose) = job
-    settings, baked = studio.settings, studio.baked(number)
-    x, y, heading, tilt = pose
-    position = (x, y, settings.camera_height)
-    rendering = render(baked, position, heading, tilt, settings.image_size, settings.fov, settings.samples)
-    image = rendering.image
-    if settings.faults is not None:
-        image = with_faults(image, settings.faults, view_rng(studio.rooms[number].seed, pose))
-    # A name that no object of the room has is found nowhere in the mask.
-    absent = len(baked.object_names)
-    rows = [baked.object_names.index(name) if name in baked.room.targets else absent for name in studio.names]
-    blob = encode_image(image, quality=settings.webp_quality)
-    studio.store.save(key, image=np.frombuffer(blob, np.uint8), boxes=boxes_from_mask(rendering.mask, rows))
+    seed = studio.rooms[number].seed
+    studio.store.save(key, **photograph(studio.baked(number), studio.settings, pose, studio.names, seed))

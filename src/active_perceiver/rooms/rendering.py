@@ -110,7 +110,7 @@ def render_scene(
         OutputExistsError: if the file, or an interrupted rendering of it, exists and nothing says what to do with it.
         CaptureError: if the interrupted rendering was begun with other settings.
     """
-    _check_output(out, force=force)
+    check_output(out, force=force)
     settings = settings or DEFAULT_SETTINGS.get(layout, CaptureSettings())
     timing = Timing(workers if workers is not None else (os.cpu_count() or 1))
     with timing.stage("room"):
@@ -164,7 +164,7 @@ def render_scenes(
             yield path, render_scene(layout, seed, path, force=force, resume=resume, **options)
 
 
-def _check_output(out: Path, *, force: bool) -> None:
+def check_output(out: Path, *, force: bool) -> None:
     """Better now than after minutes of rendering."""
     if out.suffix != ".h5":
         raise CaptureError(f"{out} does not end in .h5; give a scene file as --out, or --count for a folder of them")
