@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from active_perceiver.rooms.geometry import Mesh, merge, quad
-from active_perceiver.rooms.materials import Material
+from active_perceiver.rooms.looks.materials import Material
 from active_perceiver.rooms.room import Lamp, Part, Room, Sun
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad
 
 WIDTH, DEPTH, HEIGHT = 4.0, 3.0, 2.5
 GREY = Material((0.5, 0.5, 0.5), roughness=0.9)

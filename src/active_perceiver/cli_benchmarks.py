@@ -31,9 +31,9 @@ class Benchmark:
         from active_perceiver.experiments.result import write_result
         from active_perceiver.files import OutputExistsError
         from active_perceiver.progress import progress_bar
+        from active_perceiver.rooms.capturing.workers import run_parallel
+        from active_perceiver.rooms.engine.timing import format_timing
         from active_perceiver.rooms.layouts import LAYOUTS
-        from active_perceiver.rooms.timing import format_timing
-        from active_perceiver.rooms.workers import run_parallel
 
         if self.out is not None and self.out.exists() and not self.force:
             raise OutputExistsError(f"{self.out} exists; give another name, or --force to replace it")
@@ -57,9 +57,9 @@ def _count(report: Any, before: int, total: int, done: int, _: int, note: str = 
 
 
 def _time_room(views: int, job: tuple[str, int]) -> dict[str, Any]:
-    from active_perceiver.rooms.capture_settings import DEFAULT_SETTINGS
+    from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS
+    from active_perceiver.rooms.engine.timing import measure_rendering
     from active_perceiver.rooms.layouts import make_room
-    from active_perceiver.rooms.timing import measure_rendering
 
     layout, _ = job
     return measure_rendering(lambda: make_room(*job), views, settings=DEFAULT_SETTINGS.get(layout))

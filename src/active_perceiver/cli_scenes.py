@@ -101,8 +101,8 @@ class ScenesRender:
     """Go on where a rendering was interrupted; with --count also leave files that are done as they are."""
 
     def run(self) -> int:
-        from active_perceiver.rooms.capture_settings import DEFAULT_SETTINGS, CaptureSettings
-        from active_perceiver.rooms.rendering import render_scene, render_scenes
+        from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureSettings
+        from active_perceiver.rooms.capturing.rendering import render_scene, render_scenes
 
         if self.count is not None and self.count < 1:
             raise UserError(f"--count must be at least 1, got {self.count}")
@@ -209,7 +209,7 @@ class ScenesElsewhere:
     """Go on where the work was interrupted."""
 
     def run(self) -> int:
-        from active_perceiver.rooms.elsewhere import render_elsewhere
+        from active_perceiver.rooms.capturing.elsewhere import render_elsewhere
         from active_perceiver.scenes import open_scene
 
         photographs = render_elsewhere(

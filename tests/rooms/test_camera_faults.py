@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from active_perceiver.rooms.camera_faults import (
+from active_perceiver.rooms.capturing.camera_faults import (
     LARGEST,
     CameraFaultError,
     CameraFaults,

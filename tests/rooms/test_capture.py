@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 
 from active_perceiver.progress import quiet
-from active_perceiver.rooms import capture as capture_module
-from active_perceiver.rooms.camera import render
-from active_perceiver.rooms.capture import (
+from active_perceiver.rooms.capturing import capture as capture_module
+from active_perceiver.rooms.capturing.capture import (
     boxes_from_mask,
     capture,
 )
-from active_perceiver.rooms.capture_settings import DEFAULT_SETTINGS, CaptureError, CaptureSettings
+from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureError, CaptureSettings
+from active_perceiver.rooms.capturing.workers import WorkerError, run_parallel
+from active_perceiver.rooms.engine.camera import render
+from active_perceiver.rooms.engine.lighting import bake
 from active_perceiver.rooms.free_space import FreeSpaceError, clearance, free_positions, without_collisions
-from active_perceiver.rooms.lighting import bake
-from active_perceiver.rooms.studio import TargetError, studio_pictures
-from active_perceiver.rooms.workers import WorkerError, run_parallel
+from active_perceiver.rooms.studio.studio import TargetError, studio_pictures
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Scene
 from active_perceiver.scenes.lattice import islands, lattice_poses, lattice_transitions
 from box_room import DEPTH, TABLE, WIDTH, box_room

@@ -7,15 +7,15 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from active_perceiver.rooms import prints, textures
-from active_perceiver.rooms.boxes import box, rounded_box, slab
-from active_perceiver.rooms.curves import arc, cylinder, disc, lathe, leaf, smooth_profile, sphere, tube
 from active_perceiver.rooms.furniture import appliances, cabinets, fixtures, seating
-from active_perceiver.rooms.geometry import Mesh, merge, quad, transform, without_sides
-from active_perceiver.rooms.materials import from_hex
+from active_perceiver.rooms.looks import prints, textures
+from active_perceiver.rooms.looks.materials import from_hex
+from active_perceiver.rooms.looks.surfaces import beech
 from active_perceiver.rooms.objects import OBJECTS, decor
-from active_perceiver.rooms.pieces import Pieces, bounds
-from active_perceiver.rooms.surfaces import beech
+from active_perceiver.rooms.shapes.boxes import box, rounded_box, slab
+from active_perceiver.rooms.shapes.curves import arc, cylinder, disc, lathe, leaf, smooth_profile, sphere, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform, without_sides
+from active_perceiver.rooms.shapes.pieces import Pieces, bounds
 
 
 def assert_sound(mesh: Mesh) -> None:

@@ -12,17 +12,18 @@ import pytest
 
 from active_perceiver.cli import main
 from active_perceiver.files import OutputExistsError
-from active_perceiver.rooms import compiled, elsewhere, kept_work, other_rooms
-from active_perceiver.rooms.capture_settings import CaptureError
-from active_perceiver.rooms.compiled import compile_room
-from active_perceiver.rooms.elsewhere import render_elsewhere
+from active_perceiver.rooms.capturing import elsewhere, kept_work, other_rooms
+from active_perceiver.rooms.capturing.capture_settings import CaptureError
+from active_perceiver.rooms.capturing.elsewhere import render_elsewhere
+from active_perceiver.rooms.capturing.other_rooms import OtherRoom, shared_out
+from active_perceiver.rooms.capturing.vantage import LEAST_AREA, ROUGH_MARGIN, Eye, poses_towards, rough_mask
+from active_perceiver.rooms.engine import compiled
+from active_perceiver.rooms.engine.compiled import compile_room
 from active_perceiver.rooms.free_space import clearance
+from active_perceiver.rooms.layouts.placement import stream
+from active_perceiver.rooms.layouts.things import Contents
 from active_perceiver.rooms.objects import OBJECTS
-from active_perceiver.rooms.other_rooms import OtherRoom, shared_out
-from active_perceiver.rooms.placement import stream
 from active_perceiver.rooms.room import Room
-from active_perceiver.rooms.things import Contents
-from active_perceiver.rooms.vantage import LEAST_AREA, ROUGH_MARGIN, Eye, poses_towards, rough_mask
 from active_perceiver.scenes import Scene, SceneError, load_scene, save_scene
 from active_perceiver.scenes.checking import scene_problems
 from box_room import DEPTH, TABLE, WIDTH, box_room
@@ -97,7 +98,7 @@ def test_each_target_is_photographed_as_often_as_asked(whole: Path, searched: Sc
 def test_an_interruption_changes_nothing(
     whole: Path, searched: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out, calls, real = tmp_path / "photographs.h5", [], elsewhere.render
+    out, calls, real = tmp_path / "photographs.h5", [], elsewhere.photograph
 
     def interrupted(*arguments, **options):  # type: ignore[no-untyped-def]
         calls.append(1)
@@ -105,7 +106,7 @@ def test_an_interruption_changes_nothing(
             raise KeyboardInterrupt
         return real(*arguments, **options)
 
-    monkeypatch.setattr(elsewhere, "render", interrupted)
+    monkeypatch.setattr(elsewhere, "photograph", interrupted)
     asked = {"pictures": 5, "targets": ["box", "table"], "rooms": 3}
     with pytest.raises(KeyboardInterrupt):
         render_elsewhere(searched, out, **asked)

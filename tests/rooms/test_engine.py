@@ -8,19 +8,19 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from active_perceiver.rooms import camera, compiled, vectors
-from active_perceiver.rooms.camera import NOTHING, camera_axes, render
-from active_perceiver.rooms.compiled import compile_room
-from active_perceiver.rooms.direct_light import Lights, LightSample
-from active_perceiver.rooms.geometry import quad
-from active_perceiver.rooms.lighting import BakedRoom, bake
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.raycast import RayCaster, RoomsExtraError, open_image_denoise
+from active_perceiver.rooms.engine import camera, compiled, vectors
+from active_perceiver.rooms.engine.camera import NOTHING, camera_axes, render
+from active_perceiver.rooms.engine.compiled import compile_room
+from active_perceiver.rooms.engine.direct_light import Lights, LightSample
+from active_perceiver.rooms.engine.lighting import BakedRoom, bake
+from active_perceiver.rooms.engine.raycast import RayCaster, RoomsExtraError, open_image_denoise
+from active_perceiver.rooms.engine.sunlight import SUN_RADIUS, SunShafts
+from active_perceiver.rooms.engine.tessellation import tessellate
+from active_perceiver.rooms.engine.texture_lookup import TextureAtlas
+from active_perceiver.rooms.engine.tone import tone_map
+from active_perceiver.rooms.looks.materials import Material
 from active_perceiver.rooms.room import Lamp, Part, Sun
-from active_perceiver.rooms.sunlight import SUN_RADIUS, SunShafts
-from active_perceiver.rooms.tessellation import tessellate
-from active_perceiver.rooms.texture_lookup import TextureAtlas
-from active_perceiver.rooms.tone import tone_map
+from active_perceiver.rooms.shapes.geometry import quad
 from box_room import BOX, DEPTH, HEIGHT, WIDTH, box_room, make_room, solid, walls
 
 CAMERA = (1.0, 1.5, 1.2)

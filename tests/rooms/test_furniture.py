@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from active_perceiver.rooms import board_prints, textures
 from active_perceiver.rooms.furniture import lounge, media, office, soft, storage, tables
-from active_perceiver.rooms.pieces import Pieces, bounds
-from active_perceiver.rooms.surfaces import CHROME, beech, cloth
+from active_perceiver.rooms.looks import board_prints, textures
+from active_perceiver.rooms.looks.surfaces import CHROME, beech, cloth
+from active_perceiver.rooms.shapes.pieces import Pieces, bounds
 from rooms.test_content import assert_sound
 
 WOOD, CLOTH = beech(), cloth("#7d8b95")

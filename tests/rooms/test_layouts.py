@@ -9,17 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from active_perceiver.rooms.boxes import box
 from active_perceiver.rooms.free_space import free_positions
 from active_perceiver.rooms.layouts import LAYOUTS, Layout, LayoutError, make_room
+from active_perceiver.rooms.layouts.placement import Item, Ledge, NoRoomError, assign, lay_out
+from active_perceiver.rooms.layouts.things import ALLOWED, SCENERY, SURFACES, SWING, Contents
+from active_perceiver.rooms.layouts.walls import Plan, four_walls
+from active_perceiver.rooms.looks.surfaces import beech
 from active_perceiver.rooms.objects import OBJECTS
-from active_perceiver.rooms.pieces import bounds
-from active_perceiver.rooms.placement import Item, Ledge, NoRoomError, assign, lay_out
 from active_perceiver.rooms.room import Room
+from active_perceiver.rooms.shapes.boxes import box
+from active_perceiver.rooms.shapes.pieces import bounds
 from active_perceiver.rooms.soundness import room_problems
-from active_perceiver.rooms.surfaces import beech
-from active_perceiver.rooms.things import ALLOWED, SCENERY, SURFACES, SWING, Contents
-from active_perceiver.rooms.walls import Plan, four_walls
 
 # A few here; `active-perceiver scenes preview LAYOUT --count 40` checks as many as one likes.
 SEEDS = (1, 2, 11)

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from active_perceiver.rooms import prints_devices, prints_paper, prints_patterns
-from active_perceiver.rooms.geometry import Mesh
+from active_perceiver.rooms.looks import prints_devices, prints_paper, prints_patterns
 from active_perceiver.rooms.objects import OBJECTS
 from active_perceiver.rooms.objects.shaping import (
     blob,
@@ -22,7 +21,8 @@ from active_perceiver.rooms.objects.shaping import (
     rounded_rectangle,
     two_colours,
 )
-from active_perceiver.rooms.pieces import Pieces, bounds
+from active_perceiver.rooms.shapes.geometry import Mesh
+from active_perceiver.rooms.shapes.pieces import Pieces, bounds
 
 SMALLEST, LARGEST = 0.015, 0.6
 MOST_TRIANGLES = 4200

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 
 from active_perceiver.progress import quiet
-from active_perceiver.rooms import compiled
-from active_perceiver.rooms.camera import camera_axes
-from active_perceiver.rooms.lighting import bake
+from active_perceiver.rooms.capturing.workers import run_parallel
+from active_perceiver.rooms.engine import compiled
+from active_perceiver.rooms.engine.camera import camera_axes
+from active_perceiver.rooms.engine.lighting import bake
 from active_perceiver.rooms.objects import OBJECTS
-from active_perceiver.rooms.pictures import Shot, Stage, take
-from active_perceiver.rooms.pieces import placed
 from active_perceiver.rooms.room import Part, Room
-from active_perceiver.rooms.scenery import HELD_OUT_SCENERY, TRAINING_SCENERY
-from active_perceiver.rooms.studio import (
+from active_perceiver.rooms.shapes.pieces import placed
+from active_perceiver.rooms.studio.pictures import Shot, Stage, take
+from active_perceiver.rooms.studio.scenery import HELD_OUT_SCENERY, TRAINING_SCENERY
+from active_perceiver.rooms.studio.studio import (
     HELD,
     HELD_OUT,
     HELD_OUT_SETUPS,
@@ -32,8 +33,7 @@ from active_perceiver.rooms.studio import (
     picture_stage,
     studio_pictures,
 )
-from active_perceiver.rooms.subjects import on_stage
-from active_perceiver.rooms.workers import run_parallel
+from active_perceiver.rooms.studio.subjects import on_stage
 
 TARGETS = {"my mug": "mug", "board": "cutting_board", "flowers": "vase", "oats": "cereal"}
 PHONE_SETUPS = [setup for setup in range(SETUPS) if setup in (TRAINING_SETUPS - 1, SETUPS - 1)]

@@ -13,13 +13,14 @@ import pytest
 from active_perceiver.cli import main
 from active_perceiver.errors import UserError
 from active_perceiver.files import OutputExistsError
-from active_perceiver.rooms import capture as capture_module
-from active_perceiver.rooms import compiled, rendering
-from active_perceiver.rooms.camera_faults import CameraFaults
-from active_perceiver.rooms.capture_settings import CaptureError, CaptureSettings
-from active_perceiver.rooms.capture_store import CaptureStore
+from active_perceiver.rooms.capturing import capture as capture_module
+from active_perceiver.rooms.capturing import kept_work, rendering
+from active_perceiver.rooms.capturing.camera_faults import CameraFaults
+from active_perceiver.rooms.capturing.capture_settings import CaptureError, CaptureSettings
+from active_perceiver.rooms.capturing.capture_store import CaptureStore
+from active_perceiver.rooms.capturing.rendering import Timing, render_scene, render_scenes, room_fingerprint
+from active_perceiver.rooms.engine import compiled
 from active_perceiver.rooms.layouts import LayoutError
-from active_perceiver.rooms.rendering import Timing, render_scene, render_scenes, room_fingerprint
 from active_perceiver.scenes import TURTLEBOT_ACTIONS, load_scene
 from box_room import box_room
 
@@ -42,7 +43,7 @@ def small_work() -> Iterator[None]:
         patch.setattr(compiled, "MAX_TRIANGLES", 2000)
         patch.setattr(capture_module, "SETUPS", 1)
         patch.setattr(capture_module, "HELD_OUT", 1)
-        patch.setattr(capture_module, "run_parallel", run_here)
+        patch.setattr(kept_work, "run_parallel", run_here)
         patch.setattr(rendering, "make_room", lambda layout, seed: replace(box_room(), name=f"{layout}_{seed}"))
         yield
 
@@ -156,7 +157,7 @@ def test_an_interrupted_rendering_is_neither_lost_nor_mixed(
 
 def test_light_of_another_mesh_is_refused(interrupted: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "MAX_TRIANGLES", 3000)
-    with pytest.raises(CaptureError, match="light of another room"):
+    with pytest.raises(CaptureError, match="not the light of room"):
         render_scene("kitchen", 5, interrupted, settings=SMALL, resume=True)
 
 

@@ -25,9 +25,9 @@ from active_perceiver.rooms.contact import (
     inside,
     intersection,
 )
-from active_perceiver.rooms.geometry import Mesh, merge, quad, rotation, transform, without_sides
 from active_perceiver.rooms.layouts import make_room as furnished
 from active_perceiver.rooms.room import Lamp, Part, Room, Sun
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, rotation, transform, without_sides
 from active_perceiver.rooms.soundness import room_problems, stem
 from box_room import GREY, TABLE, make_room, solid, walls
 

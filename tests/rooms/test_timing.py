@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from active_perceiver.rooms import compiled
-from active_perceiver.rooms.capture_settings import CaptureSettings
+from active_perceiver.rooms.capturing.capture_settings import CaptureSettings
+from active_perceiver.rooms.engine import compiled
+from active_perceiver.rooms.engine.timing import STAGES, format_timing, measure_rendering
 from active_perceiver.rooms.room import Room
-from active_perceiver.rooms.timing import STAGES, format_timing, measure_rendering
 from box_room import box_room
 
 LIGHT = CaptureSettings(bake_rays=4, bounces=1)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from active_perceiver.rooms import make_room
-from active_perceiver.rooms.capture_settings import DEFAULT_SETTINGS, CaptureSettings
+from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureSettings
 from active_perceiver.rooms.free_space import free_positions
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, bundled_names, open_scene
 from active_perceiver.scenes.bundled import TARGETS_OF_RECORD, scene_path

@@ -13,6 +13,10 @@ from torch.nn import functional
 from active_perceiver.recognition.loss import centre_loss, paper_loss
 
 
+# How far from the middle of a target picture its object is looked for, as a fraction of half the picture.
+FOCUS = 0.45
+
+
 class RecogniserNetwork(nn.Module):
     """(view maps, target maps) -> is the target in the view (logit), and where (box).
 
@@ -176,6 +180,7 @@ class MatchingRecogniser(RecogniserNetwork):
         self.context = nn.Conv2d(width, hidden, 1)
         self.target = nn.Conv2d(self.reduced, width, 1)
         self.attention = nn.Conv2d(self.reduced, 1, 1)
+        self.focus = nn.Parameter(_towards_the_middle(map_shape[1] // 2, map_shape[2] // 2))
         self.compare = nn.Linear(width, hidden, bias=False)
         self.expect = nn.Linear(width, hidden)
         self.refine = nn.Sequential(
@@ -214,10 +219,10 @@ class MatchingRecogniser(RecogniserNetwork):
         return torch.cat([view, self.context(functional.relu(view))], dim=1)
 
     def encode_target(self, prepared: Tensor) -> Tensor:
-        """(N, 160, h / 2, w / 2) -> (N, 128), looking at the object and not at the ground it lies on."""
-        cells = self.target(prepared).flatten(2)
-        weights = self.attention(prepared).flatten(2).softmax(dim=2)
-        return (functional.relu(cells) * weights).sum(2) + cells.amax(2)
+        """(N, 160, h / 2, w / 2) -> (N, 128), looking at what is in the middle and not at what lies around it."""
+        cells = functional.relu(self.target(prepared).flatten(2))
+        weights = (self.attention(prepared).flatten(2) + self.focus).softmax(dim=2)
+        return (cells * weights).sum(2) + (cells * self.focus.exp()).amax(2)
 
     def judge(self, view_codes: Tensor, target_codes: Tensor) -> Tensor:
         """(N, 192, h, w), (N, M, 128) -> (N * M, 5, h, w): centre logit, and box relative to the cell."""
@@ -250,6 +255,13 @@ class MatchingRecogniser(RecogniserNetwork):
     def loss(self, judged: Tensor, present: Tensor, boxes: Tensor) -> Tensor:
         """Focal loss of the centre's heat map and box loss near the centre, see `centre_loss`."""
         return centre_loss(judged[:, 0], self.boxes(judged), present, boxes)
+
+
+def _towards_the_middle(rows: int, columns: int) -> Tensor:
+    """Log weights of a target picture's cells, (rows * columns,): 0 in the middle, where the target is, less around."""
+    y = (torch.arange(rows) + 0.5) / rows * 2 - 1
+    x = (torch.arange(columns) + 0.5) / columns * 2 - 1
+    return (-(y[:, None] ** 2 + x[None] ** 2) / (2 * FOCUS**2)).flatten()
 
 
 RECOGNISERS: dict[str, type[RecogniserNetwork]] = {"matching": MatchingRecogniser, "pooled": PooledRecogniser}

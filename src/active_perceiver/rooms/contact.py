@@ -16,8 +16,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.rooms.geometry import Mesh, rotation
-from active_perceiver.rooms.raycast import RayCaster
+from active_perceiver.rooms.engine.raycast import RayCaster
+from active_perceiver.rooms.shapes.geometry import Mesh, rotation
 
 # Bodies that a movement this long separates do no more than touch; metres.
 TOLERANCE = 0.002

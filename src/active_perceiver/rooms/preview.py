@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from active_perceiver.progress import Report, quiet
-from active_perceiver.rooms.camera import render
+from active_perceiver.rooms.capturing.workers import run_parallel
+from active_perceiver.rooms.engine.camera import render
+from active_perceiver.rooms.engine.lighting import bake
 from active_perceiver.rooms.free_space import free_positions
 from active_perceiver.rooms.layouts import make_room
-from active_perceiver.rooms.lighting import bake
 from active_perceiver.rooms.room import Room
 from active_perceiver.rooms.soundness import room_problems
-from active_perceiver.rooms.workers import run_parallel
 
 EYES = 1.45
 PREVIEW_RAYS = 48

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.rooms.geometry import Mesh
-from active_perceiver.rooms.materials import Material
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.shapes.geometry import Mesh
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.rooms.contact import DIRECTIONS, TOLERANCE, Body, distance_from_hull, gaps_below, intersection
+from active_perceiver.rooms.engine.raycast import RayCaster
 from active_perceiver.rooms.free_space import FreeSpaceError, free_positions
-from active_perceiver.rooms.geometry import Mesh
 from active_perceiver.rooms.objects import OBJECTS
-from active_perceiver.rooms.pieces import bounds
-from active_perceiver.rooms.raycast import RayCaster
 from active_perceiver.rooms.room import Room
+from active_perceiver.rooms.shapes.geometry import Mesh
+from active_perceiver.rooms.shapes.pieces import bounds
 
 SHELL = frozenset({"wall", "window", "outside", "floor", "ceiling", "door", "curtain", "blinds"})
 # These are built into each other: where exactly one ends inside another is nobody's concern.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from active_perceiver.rooms import textures
-from active_perceiver.rooms.boxes import box, rounded_box
-from active_perceiver.rooms.curves import cylinder, lathe, smooth_profile, tube
-from active_perceiver.rooms.geometry import Mesh, Vector, merge, transform
-from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import BLACK_GLASS, BLACK_PLASTIC, CHROME, plastic, printed, steel
+from active_perceiver.rooms.looks import textures
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import BLACK_GLASS, BLACK_PLASTIC, CHROME, plastic, printed, steel
+from active_perceiver.rooms.shapes.boxes import box, rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, lathe, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, Vector, merge, transform
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 STOVE_TOP = 0.912
 BURNERS = ((-0.15, -0.17), (0.15, -0.17), (-0.15, -0.43), (0.15, -0.43))

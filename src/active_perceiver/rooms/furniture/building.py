@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import cylinder, tube
-from active_perceiver.rooms.geometry import Mesh, grid_faces, merge, smooth_normals, transform, with_uvs
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, grid_faces, merge, smooth_normals, transform, with_uvs
 
 CLOTH_REPEATS = 4.0
 

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from active_perceiver.rooms.boxes import box, rounded_box, slab
-from active_perceiver.rooms.curves import arc, cylinder, smooth_profile, tube
-from active_perceiver.rooms.geometry import Mesh, merge, quad, transform, without_sides
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.pieces import Pieces, placed
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, CHROME, steel
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, CHROME, steel
+from active_perceiver.rooms.shapes.boxes import box, rounded_box, slab
+from active_perceiver.rooms.shapes.curves import arc, cylinder, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform, without_sides
+from active_perceiver.rooms.shapes.pieces import Pieces, placed
 
 COUNTER_HEIGHT = 0.90
 COUNTER_DEPTH = 0.60

@@ -5,13 +5,13 @@ Things on a wall have their back at y = 0 and face -y, centred in x; metres.
 
 from __future__ import annotations
 
-from active_perceiver.rooms import prints
-from active_perceiver.rooms.boxes import box, rounded_box, slab
-from active_perceiver.rooms.curves import cylinder, disc, lathe, smooth_profile, sphere, tube
-from active_perceiver.rooms.geometry import Mesh, merge, quad, transform, with_uvs, without_sides
-from active_perceiver.rooms.materials import Colour, Material
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, BRASS, WHITE_PAINT, printed, steel
+from active_perceiver.rooms.looks import prints
+from active_perceiver.rooms.looks.materials import Colour, Material
+from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, BRASS, WHITE_PAINT, printed, steel
+from active_perceiver.rooms.shapes.boxes import box, rounded_box, slab
+from active_perceiver.rooms.shapes.curves import cylinder, disc, lathe, smooth_profile, sphere, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform, with_uvs, without_sides
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 WALL_THICKNESS = 0.14
 Opening = tuple[float, float, float, float]

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from active_perceiver.rooms.furniture.building import at, check_range, four, legs, padded, pillow
-from active_perceiver.rooms.geometry import Mesh, merge, transform
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.pieces import Pieces, placed
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, placed
 
 SEAT_HEIGHT = 0.44
 OTTOMAN_HEIGHT = 0.42

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import board_prints, textures
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import cylinder, disc, lathe, smooth_profile, sphere
 from active_perceiver.rooms.furniture.building import at, check_range
-from active_perceiver.rooms.geometry import Mesh, merge, quad, transform
-from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import BLACK_GLASS, BLACK_PLASTIC, glazed, plastic, printed, steel
+from active_perceiver.rooms.looks import board_prints, textures
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import BLACK_GLASS, BLACK_PLASTIC, glazed, plastic, printed, steel
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, disc, lathe, smooth_profile, sphere
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 TELEVISION_DEPTH = 0.24
 WHITEBOARD_TRAY_DEPTH = 0.075

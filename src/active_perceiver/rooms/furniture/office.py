@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import board_prints
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import cylinder, lathe, smooth_profile, sphere, tube
 from active_perceiver.rooms.furniture.building import CLOTH_REPEATS, at, padded
-from active_perceiver.rooms.geometry import Mesh, grid_faces, merge, quad, smooth_normals, transform
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.pieces import Pieces, standing
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, CHROME, STALK, WHITE_PAINT, cloth, printed, steel
+from active_perceiver.rooms.looks import board_prints
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, CHROME, STALK, WHITE_PAINT, cloth, printed, steel
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, lathe, smooth_profile, sphere, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, grid_faces, merge, quad, smooth_normals, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, standing
 
 OFFICE_SEAT_HEIGHT = 0.48
 MEETING_SEAT_HEIGHT = 0.46

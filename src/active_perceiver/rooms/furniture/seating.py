@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import textures
-from active_perceiver.rooms.boxes import rounded_box, slab
-from active_perceiver.rooms.curves import smooth_profile, tube
-from active_perceiver.rooms.geometry import merge, transform, with_uvs
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.pieces import Pieces, standing
-from active_perceiver.rooms.surfaces import cloth, printed
+from active_perceiver.rooms.looks import textures
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import cloth, printed
+from active_perceiver.rooms.shapes.boxes import rounded_box, slab
+from active_perceiver.rooms.shapes.curves import smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import merge, transform, with_uvs
+from active_perceiver.rooms.shapes.pieces import Pieces, standing
 
 TABLE_HEIGHT = 0.75
 

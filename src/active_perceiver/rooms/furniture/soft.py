@@ -9,14 +9,14 @@ from typing import Literal
 
 import numpy as np
 
-from active_perceiver.rooms.boxes import rounded_box, slab
-from active_perceiver.rooms.curves import cylinder, lathe, smooth_profile, sphere, tube
 from active_perceiver.rooms.furniture.building import CLOTH_REPEATS, at, check_range
 from active_perceiver.rooms.furniture.fixtures import WALL_THICKNESS, Opening
-from active_perceiver.rooms.geometry import Mesh, Vector, grid_faces, merge, quad, smooth_normals, transform
-from active_perceiver.rooms.materials import Colour, Material, from_hex
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, BRASS, WHITE_PAINT, cloth, plastic, wood
+from active_perceiver.rooms.looks.materials import Colour, Material, from_hex
+from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, BRASS, WHITE_PAINT, cloth, plastic, wood
+from active_perceiver.rooms.shapes.boxes import rounded_box, slab
+from active_perceiver.rooms.shapes.curves import cylinder, lathe, smooth_profile, sphere, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, Vector, grid_faces, merge, quad, smooth_normals, transform
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 # A drawn-aside curtain covers this share of a window's width on either side.
 CURTAIN_COVER = 0.14

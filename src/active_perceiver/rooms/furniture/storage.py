@@ -9,15 +9,15 @@ import math
 
 import numpy as np
 
-from active_perceiver.rooms import board_prints
-from active_perceiver.rooms.boxes import box, rounded_box, slab
-from active_perceiver.rooms.curves import lathe, smooth_profile
 from active_perceiver.rooms.furniture.building import at, check_range, four, legs, upright_grain
 from active_perceiver.rooms.furniture.tables import bar_pull
-from active_perceiver.rooms.geometry import Mesh, merge, quad, transform, with_uvs, without_sides
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, CHROME, PAPER, printed
+from active_perceiver.rooms.looks import board_prints
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, CHROME, PAPER, printed
+from active_perceiver.rooms.shapes.boxes import box, rounded_box, slab
+from active_perceiver.rooms.shapes.curves import lathe, smooth_profile
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform, with_uvs, without_sides
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 BOARD_THICKNESS = 0.022
 TV_STAND_HEIGHT = 0.46

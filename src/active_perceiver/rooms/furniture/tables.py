@@ -6,14 +6,14 @@ from typing import Literal
 
 import numpy as np
 
-from active_perceiver.rooms.boxes import box, rounded_box
-from active_perceiver.rooms.curves import cylinder, lathe, smooth_profile, tube
 from active_perceiver.rooms.furniture.building import at, check_range, four, legs, round_top, upright_grain
 from active_perceiver.rooms.furniture.seating import TABLE_HEIGHT
-from active_perceiver.rooms.geometry import Mesh, grid_faces, merge, smooth_normals, transform, without_slivers
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, CHROME
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, CHROME
+from active_perceiver.rooms.shapes.boxes import box, rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, lathe, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, grid_faces, merge, smooth_normals, transform, without_slivers
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 COFFEE_TABLE_HEIGHT = 0.42
 # The upper side of the lower board of a coffee table of shape "shelf".

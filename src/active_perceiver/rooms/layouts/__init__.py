@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 from active_perceiver.errors import UserError
 from active_perceiver.rooms.layouts import conference_room, kitchen, living_room
-from active_perceiver.rooms.placement import NoRoomError
+from active_perceiver.rooms.layouts.placement import NoRoomError
+from active_perceiver.rooms.layouts.things import Contents
 from active_perceiver.rooms.room import Room
-from active_perceiver.rooms.things import Contents
 
 # Arrangements tried for a seed before giving up.
 ATTEMPTS = 60

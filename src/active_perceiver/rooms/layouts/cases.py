@@ -8,12 +8,12 @@ import numpy as np
 
 from active_perceiver.rooms.furniture import cabinets, office, seating, soft, storage, tables
 from active_perceiver.rooms.layouts.common import wall_ledge
-from active_perceiver.rooms.materials import Material
+from active_perceiver.rooms.layouts.placement import Ledge, RoomBuilder
+from active_perceiver.rooms.layouts.shell import Window
+from active_perceiver.rooms.layouts.walls import WALL_GAP, Plan, Wall
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.themes import Theme
 from active_perceiver.rooms.objects.decor import floor_plant
-from active_perceiver.rooms.placement import Ledge, RoomBuilder
-from active_perceiver.rooms.shell import Window
-from active_perceiver.rooms.themes import Theme
-from active_perceiver.rooms.walls import WALL_GAP, Plan, Wall
 
 BOOKCASE_DEPTH = 0.30
 # Boards that somebody who stands in front can look at; metres.

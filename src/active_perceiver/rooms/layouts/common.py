@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from active_perceiver.rooms.free_space import FreeSpaceError, free_positions
 from active_perceiver.rooms.furniture import fixtures, soft
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.placement import Ledge, NoRoomError, RoomBuilder
+from active_perceiver.rooms.layouts.placement import Ledge, NoRoomError, RoomBuilder
+from active_perceiver.rooms.layouts.shell import Window
+from active_perceiver.rooms.layouts.walls import Plan, Wall
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, BRASS, CHROME
+from active_perceiver.rooms.looks.themes import Theme, curtain_of, pick_one
 from active_perceiver.rooms.room import Lamp, Room, Sun
-from active_perceiver.rooms.shell import Window
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, BRASS, CHROME
-from active_perceiver.rooms.themes import Theme, curtain_of, pick_one
-from active_perceiver.rooms.walls import Plan, Wall
 
 # A robot that comes no closer than this to where a thing stands cannot be said to have reached it; metres.
 WITHIN_REACH = 1.1

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import textures
-from active_perceiver.rooms.daylight import COLD, NEUTRAL, WARM, hour_of_day
 from active_perceiver.rooms.furniture import media, office, storage, tables
 from active_perceiver.rooms.layouts.cases import (
     keep_floor,
@@ -25,13 +23,15 @@ from active_perceiver.rooms.layouts.common import (
     wall_ledge,
     within_reach,
 )
-from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.pieces import placed
-from active_perceiver.rooms.placement import Ledge, NoRoomError, RoomBuilder, stream
-from active_perceiver.rooms.room import Room
-from active_perceiver.rooms.shell import ceiling_panel, daylight_lamps, hang_door, raise_walls, skirt
-from active_perceiver.rooms.surfaces import CHROME, plastic
-from active_perceiver.rooms.themes import (
+from active_perceiver.rooms.layouts.daylight import COLD, NEUTRAL, WARM, hour_of_day
+from active_perceiver.rooms.layouts.placement import Ledge, NoRoomError, RoomBuilder, stream
+from active_perceiver.rooms.layouts.shell import ceiling_panel, daylight_lamps, hang_door, raise_walls, skirt
+from active_perceiver.rooms.layouts.things import Contents, lay_things
+from active_perceiver.rooms.layouts.walls import WALL_GAP, Plan, Wall
+from active_perceiver.rooms.looks import textures
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import CHROME, plastic
+from active_perceiver.rooms.looks.themes import (
     Theme,
     WoodTones,
     finish_of,
@@ -41,8 +41,8 @@ from active_perceiver.rooms.themes import (
     theme_of,
     upholstery_of,
 )
-from active_perceiver.rooms.things import Contents, lay_things
-from active_perceiver.rooms.walls import WALL_GAP, Plan, Wall
+from active_perceiver.rooms.room import Room
+from active_perceiver.rooms.shapes.pieces import placed
 
 CONTENTS = Contents(
     ("scissors", "stapler", "laptop", "bag", "mug", "phone"),

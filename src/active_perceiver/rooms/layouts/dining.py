@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from active_perceiver.rooms.furniture import seating, tables
-from active_perceiver.rooms.pieces import placed
-from active_perceiver.rooms.placement import Ledge, RoomBuilder
-from active_perceiver.rooms.themes import Theme
-from active_perceiver.rooms.walls import Plan
+from active_perceiver.rooms.layouts.placement import Ledge, RoomBuilder
+from active_perceiver.rooms.layouts.walls import Plan
+from active_perceiver.rooms.looks.themes import Theme
+from active_perceiver.rooms.shapes.pieces import placed
 
 # What stands on a rug stands this high.
 RUG_TOP = 0.0104

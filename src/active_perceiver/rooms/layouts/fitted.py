@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from active_perceiver.rooms import textures
-from active_perceiver.rooms.boxes import slab
 from active_perceiver.rooms.furniture import cabinets
-from active_perceiver.rooms.geometry import transform
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.placement import Ledge, RoomBuilder
-from active_perceiver.rooms.shell import Window
-from active_perceiver.rooms.walls import Wall
+from active_perceiver.rooms.layouts.placement import Ledge, RoomBuilder
+from active_perceiver.rooms.layouts.shell import Window
+from active_perceiver.rooms.layouts.walls import Wall
+from active_perceiver.rooms.looks import textures
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.shapes.boxes import slab
+from active_perceiver.rooms.shapes.geometry import transform
 
 FITTED_GAP = 0.002
 REACH = cabinets.COUNTER_DEPTH + 0.02

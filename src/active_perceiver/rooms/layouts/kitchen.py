@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from active_perceiver.rooms.daylight import NEUTRAL, WARM, hour_of_day
 from active_perceiver.rooms.furniture import appliances, cabinets, fixtures
 from active_perceiver.rooms.layouts.cases import stand_chest, stand_plants, stand_radiator
 from active_perceiver.rooms.layouts.common import (
@@ -23,6 +22,7 @@ from active_perceiver.rooms.layouts.common import (
     wall_ledge,
     within_reach,
 )
+from active_perceiver.rooms.layouts.daylight import NEUTRAL, WARM, hour_of_day
 from active_perceiver.rooms.layouts.dining import dining_place
 from active_perceiver.rooms.layouts.fitted import (
     FITTED_GAP,
@@ -34,11 +34,9 @@ from active_perceiver.rooms.layouts.fitted import (
     splashback,
     worktop,
 )
+from active_perceiver.rooms.layouts.placement import Ledge, NoRoomError, RoomBuilder, stream
 from active_perceiver.rooms.layouts.pots import pots_on_the_stove
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.placement import Ledge, NoRoomError, RoomBuilder, stream
-from active_perceiver.rooms.room import Room
-from active_perceiver.rooms.shell import (
+from active_perceiver.rooms.layouts.shell import (
     Window,
     ceiling_panel,
     daylight_lamps,
@@ -47,8 +45,11 @@ from active_perceiver.rooms.shell import (
     raise_walls,
     skirt,
 )
-from active_perceiver.rooms.surfaces import glazed
-from active_perceiver.rooms.themes import (
+from active_perceiver.rooms.layouts.things import Contents, lay_things
+from active_perceiver.rooms.layouts.walls import Plan
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import glazed
+from active_perceiver.rooms.looks.themes import (
     FRIDGES,
     LACQUERS,
     STONES,
@@ -62,8 +63,7 @@ from active_perceiver.rooms.themes import (
     pick_one,
     theme_of,
 )
-from active_perceiver.rooms.things import Contents, lay_things
-from active_perceiver.rooms.walls import Plan
+from active_perceiver.rooms.room import Room
 
 CONTENTS = Contents(
     ("mug", "plate", "bread", "apple", "bowl", "toaster", "banana"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms.daylight import NEUTRAL, WARM, Daylight, hour_of_day, scaled
 from active_perceiver.rooms.furniture import lounge, media, seating, soft, storage, tables
 from active_perceiver.rooms.layouts.cases import (
     keep_floor,
@@ -24,13 +23,15 @@ from active_perceiver.rooms.layouts.common import (
     wall_ledge,
     within_reach,
 )
+from active_perceiver.rooms.layouts.daylight import NEUTRAL, WARM, Daylight, hour_of_day, scaled
 from active_perceiver.rooms.layouts.dining import RUG_TOP
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.placement import Ledge, NoRoomError, RoomBuilder, stream
-from active_perceiver.rooms.room import Lamp, Room
-from active_perceiver.rooms.shell import ceiling_panel, daylight_lamps, hang_door, pendant, raise_walls, skirt
-from active_perceiver.rooms.surfaces import glazed
-from active_perceiver.rooms.themes import (
+from active_perceiver.rooms.layouts.placement import Ledge, NoRoomError, RoomBuilder, stream
+from active_perceiver.rooms.layouts.shell import ceiling_panel, daylight_lamps, hang_door, pendant, raise_walls, skirt
+from active_perceiver.rooms.layouts.things import Contents, lay_things
+from active_perceiver.rooms.layouts.walls import WALL_GAP, Plan, Wall
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import glazed
+from active_perceiver.rooms.looks.themes import (
     Theme,
     WoodTones,
     finish_of,
@@ -40,8 +41,7 @@ from active_perceiver.rooms.themes import (
     theme_of,
     upholstery_of,
 )
-from active_perceiver.rooms.things import Contents, lay_things
-from active_perceiver.rooms.walls import WALL_GAP, Plan, Wall
+from active_perceiver.rooms.room import Lamp, Room
 
 CONTENTS = Contents(
     ("remote_control", "laptop", "lamp", "cushion", "book", "vase", "clock", "bag"),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from active_perceiver.rooms.furniture.appliances import BURNERS, STOVE_TOP
-from active_perceiver.rooms.geometry import Vector
+from active_perceiver.rooms.layouts.placement import LIFT, RoomBuilder, stream
 from active_perceiver.rooms.objects import OBJECTS
-from active_perceiver.rooms.placement import LIFT, RoomBuilder, stream
+from active_perceiver.rooms.shapes.geometry import Vector
 
 
 def pots_on_the_stove(builder: RoomBuilder, back: Vector, seed: int) -> None:

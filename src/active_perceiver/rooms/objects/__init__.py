@@ -28,7 +28,7 @@ from active_perceiver.rooms.objects import (
     tableware,
     toys,
 )
-from active_perceiver.rooms.pieces import Pieces
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 OBJECTS: dict[str, Callable[[np.random.Generator], Pieces]] = {
     "apple": food.apple,

@@ -4,22 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_paper, prints_patterns
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import arc, cylinder, lathe, smooth_profile, tube
-from active_perceiver.rooms.geometry import Mesh, grid_faces, merge, smooth_normals, transform
-from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.objects.shaping import (
-    bulge,
-    closed_curve,
-    facing,
-    pick,
-    prism,
-    rounded_rectangle,
-    two_colours,
-)
-from active_perceiver.rooms.pieces import Pieces, standing
-from active_perceiver.rooms.surfaces import (
+from active_perceiver.rooms.looks import prints_paper, prints_patterns
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import (
     BLACK_PLASTIC,
     BRASS,
     CHROME,
@@ -30,6 +17,19 @@ from active_perceiver.rooms.surfaces import (
     printed,
     rubber,
 )
+from active_perceiver.rooms.objects.shaping import (
+    bulge,
+    closed_curve,
+    facing,
+    pick,
+    prism,
+    rounded_rectangle,
+    two_colours,
+)
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import arc, cylinder, lathe, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, grid_faces, merge, smooth_normals, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, standing
 
 
 def _strap(width: float, low: float, rise: float, y: float, radius: float = 0.006) -> Mesh:

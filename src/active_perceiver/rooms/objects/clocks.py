@@ -4,19 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_devices
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import cylinder, disc, lathe, smooth_profile, tube
-from active_perceiver.rooms.geometry import Mesh, merge, quad, transform
-from active_perceiver.rooms.objects.shaping import (
-    PALETTE,
-    facing,
-    pick,
-    prism,
-    rounded_rectangle,
-)
-from active_perceiver.rooms.pieces import Pieces, standing
-from active_perceiver.rooms.surfaces import (
+from active_perceiver.rooms.looks import prints_devices
+from active_perceiver.rooms.looks.surfaces import (
     beech,
     metallic,
     plastic,
@@ -24,6 +13,17 @@ from active_perceiver.rooms.surfaces import (
     steel,
     wood,
 )
+from active_perceiver.rooms.objects.shaping import (
+    PALETTE,
+    facing,
+    pick,
+    prism,
+    rounded_rectangle,
+)
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, disc, lathe, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, standing
 
 
 def _hands(size: float, hour: float) -> Mesh:

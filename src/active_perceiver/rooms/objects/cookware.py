@@ -4,13 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import arc, cylinder, lathe, smooth_profile, tube
-from active_perceiver.rooms.geometry import merge, shear, transform
-from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.objects.shaping import PALETTE, pick
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import (
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import (
     BLACK_PLASTIC,
     BRASS,
     CAST_IRON,
@@ -21,6 +16,11 @@ from active_perceiver.rooms.surfaces import (
     steel,
     wood,
 )
+from active_perceiver.rooms.objects.shaping import PALETTE, pick
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import arc, cylinder, lathe, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import merge, shear, transform
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 
 def pot(rng: np.random.Generator) -> Pieces:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_patterns
-from active_perceiver.rooms.curves import cylinder, disc, lathe, leaf, smooth_profile, sphere, tube
-from active_perceiver.rooms.geometry import Mesh, merge, transform
-from active_perceiver.rooms.materials import Material, from_hex
+from active_perceiver.rooms.looks import prints_patterns
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import beech, glazed, printed, steel, wood
 from active_perceiver.rooms.objects.shaping import PALETTE, pick, prism, rounded_rectangle, two_colours
-from active_perceiver.rooms.pieces import Pieces, placed
-from active_perceiver.rooms.surfaces import beech, glazed, printed, steel, wood
+from active_perceiver.rooms.shapes.curves import cylinder, disc, lathe, leaf, smooth_profile, sphere, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, placed
 
 
 def _leaves(

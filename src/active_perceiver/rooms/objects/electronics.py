@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_devices
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import cylinder, lathe, tube
-from active_perceiver.rooms.geometry import Mesh, merge, quad, transform, without_sides
+from active_perceiver.rooms.looks import prints_devices
+from active_perceiver.rooms.looks.surfaces import BLACK_GLASS, BLACK_PLASTIC, display, metallic, plastic, printed
 from active_perceiver.rooms.objects.shaping import (
     GADGET_COLOURS,
     bulge,
@@ -21,8 +19,10 @@ from active_perceiver.rooms.objects.shaping import (
     rounded_rectangle,
     two_colours,
 )
-from active_perceiver.rooms.pieces import Pieces, placed
-from active_perceiver.rooms.surfaces import BLACK_GLASS, BLACK_PLASTIC, display, metallic, plastic, printed
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, lathe, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform, without_sides
+from active_perceiver.rooms.shapes.pieces import Pieces, placed
 
 PLAY_COLOURS = ("#26272a", "#f2f2ef", "#c22f2a", "#2f5fa8", "#3f8a4c", "#7a4f96", "#e0a02c")
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_patterns
-from active_perceiver.rooms.curves import lathe, leaf, smooth_profile, tube
-from active_perceiver.rooms.geometry import Mesh, merge, transform
-from active_perceiver.rooms.materials import Material, from_hex
+from active_perceiver.rooms.looks import prints_patterns
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import glazed, glossy_print
 from active_perceiver.rooms.objects.shaping import PALETTE, blob, pick, two_colours
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import glazed, glossy_print
+from active_perceiver.rooms.shapes.curves import lathe, leaf, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, transform
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 BLOOMS = ("#e8523f", "#f2b32c", "#e87aa0", "#f4efe4", "#b03a78", "#7a5fb8", "#c22f2a", "#f08a3a", "#8fa8e0")
 # Radius and height of each vase's outside from foot to lip, as shares of its height.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import textures
-from active_perceiver.rooms.curves import arc, lathe, leaf, tube
-from active_perceiver.rooms.geometry import grid_faces, smooth_normals, transform
-from active_perceiver.rooms.materials import Material, from_hex
-from active_perceiver.rooms.pieces import Pieces, bounds
-from active_perceiver.rooms.surfaces import STALK
+from active_perceiver.rooms.looks import textures
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import STALK
+from active_perceiver.rooms.shapes.curves import arc, lathe, leaf, tube
+from active_perceiver.rooms.shapes.geometry import grid_faces, smooth_normals, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, bounds
 
 WHITE = (1.0, 1.0, 1.0)
 _REDS = (("#a5121c", "#d8863a"), ("#8a1018", "#b5402a"), ("#b8242a", "#e0b050"))

@@ -4,18 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_patterns
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import cylinder, lathe, smooth_profile, sphere, tube
-from active_perceiver.rooms.geometry import Mesh, merge, transform
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.objects.shaping import (
-    PALETTE,
-    pick,
-    two_colours,
-)
-from active_perceiver.rooms.pieces import Pieces, standing
-from active_perceiver.rooms.surfaces import (
+from active_perceiver.rooms.looks import prints_patterns
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import (
     BLACK_PLASTIC,
     BRASS,
     CHROME,
@@ -28,6 +19,15 @@ from active_perceiver.rooms.surfaces import (
     plastic,
     wood,
 )
+from active_perceiver.rooms.objects.shaping import (
+    PALETTE,
+    pick,
+    two_colours,
+)
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, lathe, smooth_profile, sphere, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, standing
 
 _SHADES = (
     "#f2ead6",

@@ -4,18 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints, prints_paper, prints_patterns
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import arc, lathe, smooth_profile, tube
-from active_perceiver.rooms.geometry import grid_faces, merge, quad, smooth_normals, transform
-from active_perceiver.rooms.materials import Material
-from active_perceiver.rooms.objects.shaping import (
-    PALETTE,
-    pick,
-    two_colours,
-)
-from active_perceiver.rooms.pieces import Pieces, standing
-from active_perceiver.rooms.surfaces import (
+from active_perceiver.rooms.looks import prints, prints_paper, prints_patterns
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import (
     BLACK_PLASTIC,
     BRASS,
     CHROME,
@@ -29,6 +20,15 @@ from active_perceiver.rooms.surfaces import (
     printed,
     wood,
 )
+from active_perceiver.rooms.objects.shaping import (
+    PALETTE,
+    pick,
+    two_colours,
+)
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import arc, lathe, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import grid_faces, merge, quad, smooth_normals, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, standing
 
 
 def candle(rng: np.random.Generator) -> Pieces:

@@ -4,22 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_patterns
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import cylinder, lathe, tube
-from active_perceiver.rooms.geometry import Mesh, grid_faces, merge, quad, smooth_normals, transform
-from active_perceiver.rooms.objects.shaping import (
-    PALETTE,
-    closed_curve,
-    double_sided,
-    facing,
-    pick,
-    prism,
-    rounded_rectangle,
-    two_colours,
-)
-from active_perceiver.rooms.pieces import Pieces, placed, standing
-from active_perceiver.rooms.surfaces import (
+from active_perceiver.rooms.looks import prints_patterns
+from active_perceiver.rooms.looks.surfaces import (
     BLACK_PLASTIC,
     CHROME,
     PAPER,
@@ -30,6 +16,20 @@ from active_perceiver.rooms.surfaces import (
     steel,
     wood,
 )
+from active_perceiver.rooms.objects.shaping import (
+    PALETTE,
+    closed_curve,
+    double_sided,
+    facing,
+    pick,
+    prism,
+    rounded_rectangle,
+    two_colours,
+)
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, lathe, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, grid_faces, merge, quad, smooth_normals, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, placed, standing
 
 _BLADE = ((-0.007, -0.024), (0.006, -0.028), (0.0085, 0.0), (0.0075, 0.06), (0.0015, 0.112), (-0.0015, 0.112))
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import cylinder, lathe, smooth_profile, tube
-from active_perceiver.rooms.geometry import Mesh, merge, quad, transform
-from active_perceiver.rooms.materials import Material, from_hex
+from active_perceiver.rooms.looks import prints
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import WHITE_PAINT, glazed, plastic, printed, steel
 from active_perceiver.rooms.objects.shaping import PALETTE, pick, two_colours
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import WHITE_PAINT, glazed, plastic, printed, steel
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import cylinder, lathe, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 
 def _sides(width: float, depth: float, height: float) -> tuple[Mesh, Mesh]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints, prints_paper, prints_patterns
-from active_perceiver.rooms.boxes import rounded_box
-from active_perceiver.rooms.curves import arc, cylinder, lathe, tube
-from active_perceiver.rooms.geometry import merge, quad, transform
+from active_perceiver.rooms.looks import prints, prints_paper, prints_patterns
+from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, CHROME, PAPER, metallic, plastic, printed, rubber
 from active_perceiver.rooms.objects.shaping import facing, pick, two_colours
-from active_perceiver.rooms.pieces import Pieces, placed
-from active_perceiver.rooms.surfaces import BLACK_PLASTIC, CHROME, PAPER, metallic, plastic, printed, rubber
+from active_perceiver.rooms.shapes.boxes import rounded_box
+from active_perceiver.rooms.shapes.curves import arc, cylinder, lathe, tube
+from active_perceiver.rooms.shapes.geometry import merge, quad, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, placed
 
 TITLES = (
     "THE KITCHEN BOOK",

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_patterns
-from active_perceiver.rooms.curves import disc, lathe, leaf, smooth_profile, tube
-from active_perceiver.rooms.geometry import Mesh, grid_faces, merge, smooth_normals, transform
-from active_perceiver.rooms.materials import Material, from_hex
+from active_perceiver.rooms.looks import prints_patterns
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import glazed, glossy_print, patterned, plastic
 from active_perceiver.rooms.objects.shaping import PALETTE, blob, pick, two_colours
-from active_perceiver.rooms.pieces import Pieces
-from active_perceiver.rooms.surfaces import glazed, glossy_print, patterned, plastic
+from active_perceiver.rooms.shapes.curves import disc, lathe, leaf, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, grid_faces, merge, smooth_normals, transform
+from active_perceiver.rooms.shapes.pieces import Pieces
 
 SOIL = Material(from_hex("#4a3526"), roughness=0.95, specular=0.1)
 GREENS = ("#3f7a34", "#4f8a3a", "#2f6a3c", "#6f9a44", "#7fae4a", "#3a6a5a", "#8a9f5a")

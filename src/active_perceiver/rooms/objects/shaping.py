@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from active_perceiver.rooms.boxes import box
-from active_perceiver.rooms.curves import cylinder, sphere
-from active_perceiver.rooms.geometry import (
+from active_perceiver.rooms.shapes.boxes import box
+from active_perceiver.rooms.shapes.curves import cylinder, sphere
+from active_perceiver.rooms.shapes.geometry import (
     Mesh,
     Vector,
     grid_faces,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints, prints_patterns, textures
-from active_perceiver.rooms.curves import arc, cylinder, disc, lathe, smooth_profile, tube
-from active_perceiver.rooms.geometry import Mesh, merge, transform
-from active_perceiver.rooms.materials import Material, from_hex
+from active_perceiver.rooms.looks import prints, prints_patterns, textures
+from active_perceiver.rooms.looks.materials import Material, from_hex
+from active_perceiver.rooms.looks.surfaces import glazed, glossy_print, printed
 from active_perceiver.rooms.objects.shaping import PALETTE, pick, two_colours
-from active_perceiver.rooms.pieces import Pieces, placed
-from active_perceiver.rooms.surfaces import glazed, glossy_print, printed
+from active_perceiver.rooms.shapes.curves import arc, cylinder, disc, lathe, smooth_profile, tube
+from active_perceiver.rooms.shapes.geometry import Mesh, merge, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, placed
 
 CREAMS = ("#f6f4ef", "#f3efe2", "#eef3f5", "#f4eedd")
 DRINKS = ("#3a2112", "#3a2112", "#b58a5c", "#8a4a1c")

@@ -4,17 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from active_perceiver.rooms import prints_patterns
-from active_perceiver.rooms.curves import arc, lathe, sphere, tube
-from active_perceiver.rooms.geometry import merge, transform
-from active_perceiver.rooms.objects.shaping import (
-    PALETTE,
-    blob,
-    pick,
-    two_colours,
-)
-from active_perceiver.rooms.pieces import Pieces, placed, standing
-from active_perceiver.rooms.surfaces import (
+from active_perceiver.rooms.looks import prints_patterns
+from active_perceiver.rooms.looks.surfaces import (
     BLACK_PLASTIC,
     BRASS,
     CHROME,
@@ -25,6 +16,15 @@ from active_perceiver.rooms.surfaces import (
     rubber,
     wood,
 )
+from active_perceiver.rooms.objects.shaping import (
+    PALETTE,
+    blob,
+    pick,
+    two_colours,
+)
+from active_perceiver.rooms.shapes.curves import arc, lathe, sphere, tube
+from active_perceiver.rooms.shapes.geometry import merge, transform
+from active_perceiver.rooms.shapes.pieces import Pieces, placed, standing
 
 
 def teddy_bear(rng: np.random.Generator) -> Pieces:

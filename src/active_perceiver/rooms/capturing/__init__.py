@@ -1,0 +1,1 @@
+"""From a room to a scene file: views, boxes, the store that makes it resumable."""

@@ -1,0 +1,213 @@
+"""From a room to a scene: every view a robot can have on a lattice of poses, with the targets' boxes and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.progress import Report, quiet
+from active_perceiver.rooms.capturing.camera_faults import view_rng, with_faults
+from active_perceiver.rooms.capturing.capture_settings import CaptureSettings
+from active_perceiver.rooms.capturing.capture_store import CaptureStore
+from active_perceiver.rooms.capturing.kept_work import do_missing, light_arrays, lit_room
+from active_perceiver.rooms.engine.camera import render
+from active_perceiver.rooms.engine.compiled import compile_room
+from active_perceiver.rooms.engine.lighting import BakedRoom, bake
+from active_perceiver.rooms.free_space import free_positions, without_collisions
+from active_perceiver.rooms.room import Room
+from active_perceiver.rooms.studio.studio import HELD_OUT, SETUPS, TargetError, studio_pictures
+from active_perceiver.scenes.images import encode_image
+from active_perceiver.scenes.lattice import lattice_poses, lattice_transitions
+from active_perceiver.scenes.scene import FloorPlan, Scene, Target
+
+HEADINGS = (0.0, 90.0, 180.0, 270.0)
+# An object that covers less of the picture than this cannot be recognised by anyone.
+SMALLEST_VISIBLE = 0.0005
+LIGHT = "light"
+
+Stage = Callable[[str], AbstractContextManager[Report]]
+
+
+@dataclass(eq=False)
+class _Studio:
+    """What a process needs for every picture; it reads the light from the store when it takes its first view."""
+
+    room: Room
+    settings: CaptureSettings
+    seed: int
+    store: CaptureStore
+
+    @cached_property
+    def baked(self) -> BakedRoom:
+        return lit_room(self.room, compile_room(self.room), self.store.loaded(LIGHT))
+
+
+def _silent(label: str) -> AbstractContextManager[Report]:
+    return nullcontext(quiet)
+
+
+def capture(
+    room: Room,
+    settings: CaptureSettings | None = None,
+    *,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Stage = _silent,
+    store: CaptureStore | None = None,
+) -> Scene:
+    """Photograph a room from every pose of a lattice, and its targets alone.
+
+    The same room, settings and seed give byte-identical pictures, however many workers there are and however often
+    the work was interrupted.
+
+    Args:
+        room: what to photograph.
+        settings: how; the defaults are those of the bundled rooms.
+        seed: of the light's randomness, the camera's faults and the target pictures.
+        workers: processes; None for one a core.
+        progress: opens a progress bar for each of the three stages: "light", "views", "target pictures".
+        store: where finished work is kept, and looked for; a temporary folder if None.
+
+    Raises:
+        FreeSpaceError: if the robot finds no place in the room, or not as many as wanted.
+        TargetError: if the room lists targets it does not hold, or none.
+        WorkerError: if a rendering process was killed.
+    """
+    settings = settings or CaptureSettings()
+    _check_targets(room)
+    if store is None:
+        with TemporaryDirectory(prefix="active-perceiver-") as folder:
+            own = CaptureStore(Path(folder))
+            return capture(room, settings, seed=seed, workers=workers, progress=progress, store=own)
+    positions = free_positions(room, settings.spacing, settings.robot_radius, settings.places)
+    poses = lattice_poses(positions, HEADINGS, settings.tilts)
+    transitions = lattice_transitions(poses, settings.actions, settings.spacing)
+    polygons = [polygon for _, polygon in room.obstacles]
+    transitions = without_collisions(poses, transitions, polygons, settings.robot_radius)
+    studio = _Studio(room, settings, seed, store)
+    with progress("light") as report:
+        if store.load(LIGHT) is None:
+            store.save(LIGHT, **light_arrays(bake(room, settings.bake_rays, settings.bounces, seed, report)))
+    views = [f"view-{state:05}" for state in range(len(poses))]
+    with progress("views") as report:
+        do_missing(_photograph, studio, store, views, poses.tolist(), workers, report)
+    alone = [(name, setup) for name in room.targets for setup in range(SETUPS)]
+    pictures = [f"target-{number // SETUPS:03}-{number % SETUPS}" for number in range(len(alone))]
+    with progress("target pictures") as report:
+        do_missing(_photograph_alone, studio, store, pictures, alone, workers, report)
+    targets = []
+    for row, (name, category) in enumerate(room.targets.items()):
+        of_target = [
+            blob.tobytes()
+            for key in pictures[row * SETUPS : (row + 1) * SETUPS]
+            for _, blob in sorted(store.loaded(key).items())
+        ]
+        targets.append(Target(name, tuple(of_target), category, HELD_OUT))
+    seen = [store.loaded(key) for key in views]
+    return Scene(
+        name=room.name,
+        actions=settings.actions,
+        views=tuple(view["image"].tobytes() for view in seen),
+        poses=poses,
+        transitions=transitions,
+        boxes=np.stack([view["boxes"] for view in seen]),
+        targets=tuple(targets),
+        image_size=settings.image_size,
+        fov=settings.fov,
+        source=f"active-perceiver room {room.name}, rendered with Embree",
+        floor_plan=_floor_plan(room),
+    )
+
+
+def _floor_plan(room: Room) -> FloorPlan:
+    """Walls and obstacles from above; what reaches into a wall, as a window does, is cut off there."""
+    width, depth, _ = room.size
+    outline = np.array([[0, 0], [width, 0], [width, depth], [0, depth]], np.float64)
+    return FloorPlan(
+        outline, tuple((label, np.clip(polygon, 0, (width, depth))) for label, polygon in room.obstacles)
+    )
+
+
+def boxes_from_mask(mask: NDArray[np.int32], objects: Sequence[int]) -> NDArray[np.float32]:
+    """Bounding boxes of some objects in an instance mask.
+
+    Args:
+        mask: (H, W) object of each pixel.
+        objects: (T,) whose boxes.
+
+    Returns:
+        (T, 4) float32 centre x, centre y, width, height as fractions of the image; NaN where the object covers less
+        than `SMALLEST_VISIBLE` of it.
+    """
+    height, width = mask.shape
+    boxes = np.full((len(objects), 4), np.nan, np.float32)
+    for row, number in enumerate(objects):
+        y, x = np.nonzero(mask == number)
+        if len(x) >= max(1.0, SMALLEST_VISIBLE * mask.size):
+            left, right, top, bottom = (
+                x.min() / width,
+                (x.max() + 1) / width,
+                y.min() / height,
+                (y.max() + 1) / height,
+            )
+            boxes[row] = (left + right) / 2, (top + bottom) / 2, right - left, bottom - top
+    return boxes
+
+
+def _check_targets(room: Room) -> None:
+    known = {part.object_name for part in room.parts}
+    if missing := sorted(set(room.targets) - known):
+        raise TargetError(f"room '{room.name}' has no objects {missing}; correct its list of targets")
+    if not room.targets:
+        raise TargetError(f"room '{room.name}' has no targets; there would be nothing to search")
+
+
+def photograph(
+    baked: BakedRoom, settings: CaptureSettings, pose: Sequence[float], targets: Sequence[str], seed: int
+) -> dict[str, NDArray[Any]]:
+    """What the robot's camera sees.
+
+    Args:
+        baked: the room.
+        settings: of the camera.
+        pose: x, y in metres, heading and tilt in degrees.
+        targets: names of those whose boxes are wanted; a room need not hold them all.
+        seed: of the camera's faults.
+
+    Returns:
+        "image", the encoded view as uint8, and "boxes" (T, 4), see `boxes_from_mask`.
+    """
+    x, y, heading, tilt = pose
+    position = (x, y, settings.camera_height)
+    rendering = render(baked, position, heading, tilt, settings.image_size, settings.fov, settings.samples)
+    image = rendering.image
+    if settings.faults is not None:
+        image = with_faults(image, settings.faults, view_rng(seed, pose))
+    # A name that no object of the room has is found nowhere in the mask.
+    absent = len(baked.object_names)
+    objects = [baked.object_names.index(name) if name in baked.room.targets else absent for name in targets]
+    blob = encode_image(image, quality=settings.webp_quality)
+    return {"image": np.frombuffer(blob, np.uint8), "boxes": boxes_from_mask(rendering.mask, objects)}
+
+
+def _photograph(studio: _Studio, job: tuple[str, Sequence[float]]) -> None:
+    """One view and its boxes."""
+    key, pose = job
+    studio.store.save(key, **photograph(studio.baked, studio.settings, pose, tuple(studio.room.targets), studio.seed))
+
+
+def _photograph_alone(studio: _Studio, job: tuple[str, tuple[str, int]]) -> None:
+    """The pictures of one target in one setup, encoded."""
+    key, (target, setup) = job
+    settings = studio.settings
+    pictures = studio_pictures(studio.room, target, setup, studio.seed, settings.image_size)
+    blobs = [encode_image(picture, quality=settings.webp_quality) for picture in pictures]
+    studio.store.save(key, **{f"picture{row:02}": np.frombuffer(blob, np.uint8) for row, blob in enumerate(blobs)})

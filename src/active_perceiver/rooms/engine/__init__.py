@@ -1,0 +1,1 @@
+"""The renderer: rays, light, shading and the camera."""

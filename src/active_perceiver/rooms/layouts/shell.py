@@ -1,0 +1,171 @@
+"""Floor, ceiling, walls, windows and doors of a room, and the light that comes with them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from active_perceiver.rooms.furniture import fixtures
+from active_perceiver.rooms.layouts.daylight import Daylight, scaled
+from active_perceiver.rooms.layouts.placement import RoomBuilder
+from active_perceiver.rooms.layouts.walls import Plan, Wall
+from active_perceiver.rooms.looks.materials import Colour, Material, from_hex
+from active_perceiver.rooms.room import Lamp
+from active_perceiver.rooms.shapes.geometry import Mesh, quad
+
+# A door's leaf and frame, and the floor in front of it that stays free; metres.
+DOOR_WIDTH, DOOR_SPACE = 1.08, 0.80
+SKIRTED_FROM = 0.12
+
+
+@dataclass(frozen=True)
+class Window:
+    """A window in a wall.
+
+    Attributes:
+        wall: in which it is.
+        along: its middle along the wall, metres.
+        width: metres.
+        low: height of its sill.
+        high: height of its top.
+        panes: side by side.
+        sill: how far its board reaches into the room.
+    """
+
+    wall: Wall
+    along: float
+    width: float
+    low: float
+    high: float
+    panes: int = 2
+    sill: float = 0.10
+
+    @property
+    def opening(self) -> fixtures.Opening:
+        """Its edges (x from, x to, z from, z to), seen from the wall's middle."""
+        middle = self.along - self.wall.length / 2
+        return (middle - self.width / 2, middle + self.width / 2, self.low, self.high)
+
+
+def raise_walls(
+    builder: RoomBuilder,
+    plan: Plan,
+    height: float,
+    windows: Sequence[Window],
+    paints: dict[str, Material],
+    floor: Material,
+) -> None:
+    """Build floor, ceiling and walls.
+
+    Args:
+        builder: takes the parts.
+        plan: the room's size and walls.
+        height: of the ceiling, metres.
+        windows: at most one in each wall.
+        paints: of each wall, by its name.
+        floor: material.
+    """
+    width, depth = plan.width, plan.depth
+    builder.add("floor", [(quad((0, 0, 0), (width, 0, 0), (0, depth, 0), 0.55), floor)])
+    white = Material(from_hex("#f7f6f2"), roughness=0.95, specular=0.1)
+    builder.add("ceiling", [(quad((0, depth, height), (width, 0, 0), (0, -depth, 0), 0.5), white)])
+    openings = {window.wall.name: window.opening for window in windows}
+    for name, wall in plan.walls.items():
+        mesh: Mesh = fixtures.wall(wall.length, height, openings.get(name))
+        builder.add("wall", [(mesh, paints[name])], wall.point(wall.length / 2), wall.turn)
+    for window in windows:
+        wall = window.wall
+        builder.add(
+            "window",
+            fixtures.window(window.opening, window.panes, window.sill),
+            wall.point(wall.length / 2),
+            wall.turn,
+        )
+
+
+def daylight_lamps(builder: RoomBuilder, windows: Sequence[Window], light: Daylight, seed: int) -> list[Lamp]:
+    """The view out of each window, and the light that comes in through it.
+
+    Daylight comes from windows, small and bright: sampled as lamps it is free of blotches. The lamps belong to the
+    views outside, which need not be as bright as the light that comes from there.
+    """
+    lamps = []
+    for window in windows:
+        wall = window.wall
+        builder.add(
+            "outside", fixtures.backdrop(9.0, 2.6, light.outside, seed % 5), wall.point(window.along), wall.turn
+        )
+        across = np.subtract(wall.point(1.0), wall.point(0.0)) * window.width
+        outside = -fixtures.WALL_THICKNESS - 0.01
+        lamps.append(
+            Lamp(
+                "outside",
+                wall.point(window.along, outside, (window.low + window.high) / 2),
+                ((float(across[0]), float(across[1]), 0.0), (0.0, 0.0, window.high - window.low)),
+                0.0,
+                light.windows,
+            )
+        )
+    return lamps
+
+
+def hang_door(
+    builder: RoomBuilder, plan: Plan, walls: Sequence[Wall], leaf: Material, rng: np.random.Generator
+) -> bool:
+    """Put a door where there is room for it, and keep the floor in front of it free; False if there is none."""
+    for index in rng.permutation(len(walls)):
+        wall = walls[int(index)]
+        along = plan.against(wall, DOOR_WIDTH, DOOR_SPACE, rng, tall=True, gap=0.04)
+        if along is not None:
+            builder.add("door", fixtures.door(leaf), wall.point(along, 0.001), wall.turn, obstacle=True)
+            builder.bare(wall, along - 0.535, along + 0.535)
+            return True
+    return False
+
+
+def skirt(builder: RoomBuilder, plan: Plan) -> None:
+    """Skirting boards along the walls but where `builder.bare` says that there are none."""
+    for wall in plan.walls.values():
+        start = 0.0
+        # Boards meet in the corners without crossing: those along x end before those along y.
+        ends = 0.016 if wall.name in ("north", "south") else 0.0
+        taken = [*sorted(builder.bare_stretches(wall)), (wall.length, wall.length)]
+        for low, high in taken:
+            first, last = max(start, ends), min(low, wall.length - ends)
+            if last - first > SKIRTED_FROM:
+                board = fixtures.baseboard(last - first)
+                builder.add("baseboard", board, wall.point((first + last) / 2, 0.0, 0.0005), wall.turn)
+            start = max(start, high)
+
+
+def ceiling_panel(
+    builder: RoomBuilder, x: float, y: float, height: float, size: float, colour: Colour, strength: float
+) -> Lamp:
+    """A square lamp under the ceiling."""
+    radiance = scaled(colour, 9.0 * strength)
+    housing, face = fixtures.ceiling_lamp(size, radiance)
+    builder.add("ceiling_lamp", housing, (x, y, height))
+    builder.add("ceiling_lamp_glow", face, (x, y, height))
+    edges = ((size, 0.0, 0.0), (0.0, -size, 0.0))
+    return Lamp("ceiling_lamp_glow", (x, y, height - 0.045), edges, 0.0, radiance)
+
+
+def pendant(
+    builder: RoomBuilder,
+    x: float,
+    y: float,
+    height: float,
+    low: float,
+    shade: Material,
+    colour: Colour,
+    strength: float,
+) -> Lamp:
+    """A lamp hanging down to `low`, over a table."""
+    radius = 0.045
+    radiance = scaled(colour, 60.0 * strength)
+    fixed, glowing = fixtures.pendant_lamp(height - low, shade, radiance, radius)
+    builder.add("pendant_lamp", fixed, (x, y, height))
+    builder.add("pendant_bulb", glowing, (x, y, height))
+    return Lamp("pendant_bulb", (x, y, low + 0.025 + radius), None, radius, radiance)

@@ -1,0 +1,1 @@
+"""Materials, textures, prints and colours."""

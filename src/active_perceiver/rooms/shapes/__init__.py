@@ -1,0 +1,1 @@
+"""Meshes and the primitives everything in a room is made of."""

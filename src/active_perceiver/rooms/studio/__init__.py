@@ -1,0 +1,1 @@
+"""Pictures of single objects, as users give them."""
