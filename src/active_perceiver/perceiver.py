@@ -17,7 +17,7 @@ from active_perceiver.policies.restless import ALIKE, restless, unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import Action, read_image
 from active_perceiver.search.location import location_mask
-from active_perceiver.vision.backbone import Backbone, load_backbone, pooled
+from active_perceiver.vision.backbone import Backbone, load_backbone, pooled, pooled_middle
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ class ActivePerceiver:
         image = picture if isinstance(picture, np.ndarray) else read_image(picture)
         maps = self.backbone.maps([image])
         self._branch = branch
-        self._target = pooled(maps)
+        self._target = pooled_middle(maps)
         self._code = self.recogniser.encode_target(maps)
         self.criterion = self.known.criterion(self._code[0], branch)
         self._random = np.random.default_rng(seed)

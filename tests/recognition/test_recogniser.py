@@ -167,3 +167,16 @@ def test_detection():
     assert detection.area == pytest.approx(0.08)
     assert detection.box.dtype == np.float32
     assert not detection.box.flags.writeable
+
+
+def test_target_codes_look_at_the_middle_of_the_picture():
+    """What lies around the object in a picture, as phone pictures have it, hardly changes the target's code."""
+    torch.manual_seed(0)
+    network = RECOGNISERS["matching"]((24, 20, 20)).eval()
+    picture, other = torch.rand(1, 24, 20, 20), torch.rand(1, 24, 20, 20)
+    corner, middle = picture.clone(), picture.clone()
+    corner[:, :, :6, :6] = other[:, :, :6, :6]
+    middle[:, :, 7:13, 7:13] = other[:, :, 7:13, 7:13]
+    codes = [network.encode_target(network.prepare_target(maps)) for maps in (picture, corner, middle)]
+    around, within = (float((code - codes[0]).detach().norm()) for code in codes[1:])
+    assert around < 0.2 * within

@@ -95,7 +95,7 @@ def _search_for(agent: ActivePerceiver, scene: Scene, name: str, out: Path, seed
     """One search, from far away, with a picture that training has not seen."""
     task = SearchTask.from_scene(scene, [name])
     target = scene.targets[scene.target_index(name)]
-    picture = target.picture(len(target.pictures) - 1)
+    picture = target.picture(min(target.trained, len(target.pictures) - 1))
     far = np.argsort(-task.steps[:, 0], kind="stable")[: len(scene) // 10]
     start = int(np.random.default_rng([seed, scene.target_index(name)]).choice(far))
     with RecordedRobot(scene, start) as robot:

@@ -6,15 +6,13 @@ to learn (`prepare`), a code of the view and a code of the target on their own, 
 
 from __future__ import annotations
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
 from active_perceiver.recognition.loss import centre_loss, paper_loss
-
-
-# How far from the middle of a target picture its object is looked for, as a fraction of half the picture.
-FOCUS = 0.45
+from active_perceiver.vision.backbone import middle_weights
 
 
 class RecogniserNetwork(nn.Module):
@@ -180,7 +178,9 @@ class MatchingRecogniser(RecogniserNetwork):
         self.context = nn.Conv2d(width, hidden, 1)
         self.target = nn.Conv2d(self.reduced, width, 1)
         self.attention = nn.Conv2d(self.reduced, 1, 1)
-        self.focus = nn.Parameter(_towards_the_middle(map_shape[1] // 2, map_shape[2] // 2))
+        self.focus = nn.Parameter(
+            torch.from_numpy(np.log(middle_weights(map_shape[1] // 2, map_shape[2] // 2))).flatten()
+        )
         self.compare = nn.Linear(width, hidden, bias=False)
         self.expect = nn.Linear(width, hidden)
         self.refine = nn.Sequential(
@@ -255,13 +255,6 @@ class MatchingRecogniser(RecogniserNetwork):
     def loss(self, judged: Tensor, present: Tensor, boxes: Tensor) -> Tensor:
         """Focal loss of the centre's heat map and box loss near the centre, see `centre_loss`."""
         return centre_loss(judged[:, 0], self.boxes(judged), present, boxes)
-
-
-def _towards_the_middle(rows: int, columns: int) -> Tensor:
-    """Log weights of a target picture's cells, (rows * columns,): 0 in the middle, where the target is, less around."""
-    y = (torch.arange(rows) + 0.5) / rows * 2 - 1
-    x = (torch.arange(columns) + 0.5) / columns * 2 - 1
-    return (-(y[:, None] ** 2 + x[None] ** 2) / (2 * FOCUS**2)).flatten()
 
 
 RECOGNISERS: dict[str, type[RecogniserNetwork]] = {"matching": MatchingRecogniser, "pooled": PooledRecogniser}

@@ -34,7 +34,7 @@ class RecogniserConfig:
 
     kind: str = "matching"
     """Which network: "matching" (a heat map of the target's centre) or "pooled" (the paper's)."""
-    steps: int = 900
+    steps: int = 1400
     """Updates of the weights."""
     views: int = 24
     """Views in a batch."""

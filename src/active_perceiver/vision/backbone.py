@@ -24,6 +24,8 @@ from active_perceiver.vision.sessions import ModelFileError, open_session
 if TYPE_CHECKING:
     from torch import nn
 
+# How far from the middle of a target picture its object is looked for, as a fraction of half the picture.
+FOCUS = 0.45
 STRIDE = 16
 IMAGE_SIZE = 320
 FILE_NAME = "backbone.onnx"
@@ -76,6 +78,19 @@ def cache_folder() -> Path:
 def pooled(maps: NDArray[np.floating]) -> NDArray[np.float32]:
     """Global average of feature maps, (N, C, h, w) -> (N, C) float32."""
     return maps.mean(axis=(2, 3), dtype=np.float32)
+
+
+def middle_weights(rows: int, columns: int) -> NDArray[np.float32]:
+    """How much each cell of a target picture's map counts, (rows, columns): 1 in the middle, where the object is."""
+    y, x = ((np.arange(count, dtype=np.float32) + 0.5) / count * 2 - 1 for count in (rows, columns))
+    return np.exp(-(y[:, None] ** 2 + x[None] ** 2) / (2 * FOCUS**2)).astype(np.float32)
+
+
+def pooled_middle(maps: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Average of target pictures' maps over their middle, (N, C, h, w) -> (N, C) float32: not what lies around."""
+    weights = middle_weights(*maps.shape[2:])
+    weights /= weights.sum()
+    return np.stack([np.tensordot(one.astype(np.float32), weights, axes=2) for one in maps])
 
 
 class Backbone:

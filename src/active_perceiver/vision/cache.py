@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from active_perceiver.errors import UserError
 from active_perceiver.files import replacing
 from active_perceiver.scenes.scene import Scene
-from active_perceiver.vision.backbone import BATCH, Backbone, cache_folder, pooled
+from active_perceiver.vision.backbone import BATCH, Backbone, cache_folder, pooled, pooled_middle
 
 # Part of every file's name: to be raised when the same key would mean other content.
 VERSION = 1
@@ -36,7 +36,7 @@ class SceneFeatures:
         view_maps: (S, C, h, w) float16, memory-mapped and read-only.
         view_features: (S, C) float32, the maps' global average.
         target_maps: (T, K, C, h, w) float16.
-        target_features: (T, K, C) float32, the maps' global average.
+        target_features: (T, K, C) float32, the maps' average over the middle, see `pooled_middle`.
         picture_counts: (T,) int64, how many pictures each target really has.
         backbone: fingerprint of the backbone that made them, see `Backbone.fingerprint`.
     """
@@ -78,12 +78,12 @@ def scene_features(scene: Scene, backbone: Backbone, progress: Progress | None =
         file.compute(lambda count, before=done: progress and progress(before + count, total))  # type: ignore[misc]
         done += file.count
     view_maps, view_features = views.content()
-    picture_maps, picture_features = targets.content()
+    picture_maps, _ = targets.content()
     counts = np.array([len(target.pictures) for target in scene.targets], np.int64)
     first = np.cumsum(counts) - counts
     rows = first[:, None] + np.arange(counts.max()) % counts[:, None]
     return SceneFeatures(
-        view_maps, view_features, picture_maps[rows], picture_features[rows], counts, backbone.fingerprint
+        view_maps, view_features, picture_maps[rows], pooled_middle(picture_maps)[rows], counts, backbone.fingerprint
     )
 
 
