@@ -49,10 +49,10 @@ def run_demo(
     if (out / "result.json").exists() and not (force or resume):
         raise OutputExistsError(f"{out} holds a demo already; give another --out, or --force to replace it")
     _check_same_settings(out, settings, resume)
-    trained = _finished(out / "agent" / "result.json", resume) or train_agent(
-        settings, out / "agent", force=force, resume=resume
-    )
-    pooled = _finished(out / "pooled_recogniser.json", resume) or _pooled_figures(settings, out)
+    agent_done = _finished(out / "agent" / "result.json", resume)
+    pooled_done = _finished(out / "pooled_recogniser.json", resume)
+    trained = agent_done or train_agent(settings, out / "agent", force=force, resume=resume)
+    pooled = pooled_done or _pooled_figures(settings, out)
     agent = ActivePerceiver.from_pretrained(out / "agent")
     scene = open_scene(settings.scenes[0])
     found = [_search_for(agent, scene, name, out, settings.seed) for name in settings.targets]
@@ -61,7 +61,11 @@ def run_demo(
         "recogniser": {"matching": trained["recogniser"], "pooled": pooled},
         "searches": [asdict(item.summary) for item in found],
     }
-    body["seconds"] = {**trained["seconds"], "demo": time.monotonic() - started}
+    # What an interrupted demo had finished took its time too.
+    earlier = (agent_done["seconds"]["total"] if agent_done else 0.0) + (
+        pooled_done["seconds"] if pooled_done else 0.0
+    )
+    body["seconds"] = {**trained["seconds"], "demo": earlier + time.monotonic() - started}
     result = write_result(out / "result.json", "demo", body)
     write_report(out / "report.html", agent, result, found)
     print(format_measures(body))
