@@ -1,4 +1,4 @@
-"""The figures of the bundled scenes in docs/scenes.md are those of the committed results, and hold what is promised."""
+"""The figures in docs/scenes.md are those of the committed results, and hold what is promised."""
 
 from __future__ import annotations
 
