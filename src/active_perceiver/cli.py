@@ -222,8 +222,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         console.print(
-            "interrupted; what was there before is as it was. `demo`, `train` and `scenes render` go on with "
-            "--resume",
+            "interrupted; what was there before is as it was. `demo`, `train`, `scenes render` and `scenes elsewhere` "
+            "go on with --resume",
             soft_wrap=True,
         )
         return 130
