@@ -222,7 +222,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         console.print(
-            "interrupted; what was there before is as it was. `demo`, `train`, `scenes render` and `scenes elsewhere` "
+            "interrupted; what was there before is as it was. `demo`, `train`, `scenes render` and `elsewhere` "
             "go on with --resume",
             soft_wrap=True,
         )
