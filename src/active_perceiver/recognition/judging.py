@@ -33,6 +33,32 @@ def _judge(
     return logits, boxes
 
 
+def _judge_scenes(
+    network: RecogniserNetwork, views: Tensor, asked: Tensor, names: NDArray[np.str_], judged: NDArray[np.bool_]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Like `_judge`, but only the views of a scene with the targets of that scene: nothing else is known.
+
+    Args:
+        network: the recogniser.
+        views: (V, ...) prepared views.
+        asked: (Q, ...) prepared pictures.
+        names: (Q,) "scene/target" of the pictures.
+        judged: (V, Q) which answers will be used; the others may be anything.
+    """
+    logits = np.zeros(judged.shape, np.float32)
+    boxes = np.zeros((*judged.shape, 4), np.float32)
+    scenes = np.array([name.rpartition("/")[0] for name in names])
+    for scene in np.unique(scenes):
+        columns = np.flatnonzero(scenes == scene)
+        rows = np.flatnonzero(judged[:, columns].any(axis=1))
+        if len(rows):
+            block = np.ix_(rows, columns)
+            logits[block], boxes[block] = _judge(
+                network, views[torch.from_numpy(rows)], asked[torch.from_numpy(columns)]
+            )
+    return logits, boxes
+
+
 def _questions(data: Annotations, split: Split) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
     """For each measurement the (Q,) targets and (Q,) pictures that are asked for."""
     seen, unseen, unknown = [], [], []
@@ -74,7 +100,13 @@ def judge_split(
     states = data.states[split.views]
     questions = _questions(data, split)
     answers = {
-        name: _judge(network, held_out, pictures[torch.from_numpy(targets), torch.from_numpy(numbers)])
+        name: _judge_scenes(
+            network,
+            held_out,
+            pictures[torch.from_numpy(targets), torch.from_numpy(numbers)],
+            data.names[targets],
+            states[:, targets] != UNJUDGED,
+        )
         for name, (targets, numbers) in questions.items()
     }
     known = [name for name in questions if name != "unknown targets"]

@@ -228,7 +228,7 @@ def _points_in_sight(target: Body, cameras: NDArray[np.float64], everything: Ray
 def _outer_points(target: Body) -> NDArray[np.float64]:
     """SURFACE_POINTS or fewer points (N, 3) that could be seen if there were nothing else: no pages inside a book."""
     rng = np.random.default_rng(0)
-    chosen = rng.choice(len(target.areas), 10 * SURFACE_POINTS, p=target.areas / target.areas.sum())
+    chosen = rng.choice(len(target.areas), 60 * SURFACE_POINTS, p=target.areas / target.areas.sum())
     weights = rng.dirichlet(np.ones(3), len(chosen))
     points = (target.triangles[chosen] * weights[..., None]).sum(axis=1)
     ways = DIRECTIONS[DIRECTIONS[:, 2] > -0.5]
