@@ -43,3 +43,9 @@ def test_every_scene_is_solved(named: tuple[str, dict[str, Any]]) -> None:
     _, result = named
     assert result["overall"]["success"] == 1.0
     assert result["overall"]["ratio"] <= 1.03
+
+
+def test_forty_rooms_of_each_layout_are_sound() -> None:
+    result = json.loads((ROOT / "benchmarks" / "rooms.json").read_text())
+    assert result["sound"] == len(result["rooms"]) == 120
+    assert "120 of 120 rooms are sound" in PAGE
