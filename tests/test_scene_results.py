@@ -49,3 +49,19 @@ def test_forty_rooms_of_each_layout_are_sound() -> None:
     result = json.loads((ROOT / "benchmarks" / "rooms.json").read_text())
     assert result["sound"] == len(result["rooms"]) == 120
     assert "120 of 120 rooms are sound" in PAGE
+
+
+def test_the_page_says_what_a_recogniser_trained_elsewhere_is_worth() -> None:
+    result = json.loads((ROOT / "benchmarks" / "elsewhere.json").read_text())
+    text = " ".join(PAGE[PAGE.index("Such a recogniser") : PAGE.index("## What they are not")].split())
+    assert result["settings"]["recogniser_scenes"] == ["elsewhere.h5"]
+    there, here = result["recogniser"]["metrics"]["seen pictures"], result["detection"]["pictures_seen"]
+    word, overall = result["own_word"]["pictures_seen"]["overall"], result["overall"]
+    for said in (
+        f"AUROC {there['auroc']:.3f}, AP50 {there['ap50']:.3f} on places of the other rooms",
+        f"but {here['auroc']:.3f}, {here['ap50']:.3f} in the conference room",
+        f"where {100 * here['false_positive_rate']:.1f} % of the views without a target",
+        f"success {100 * overall['success']:.1f} %, {overall['ratio']:.3f} x the shortest path",
+        f"{100 * word['true_found']:.1f} % true, {100 * word['false_found']:.1f} % false",
+    ):
+        assert said in text, said
