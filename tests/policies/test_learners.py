@@ -125,7 +125,7 @@ def test_ppos_gradient_equals_that_of_the_samples(problem, entropy_weight):
         torch.testing.assert_close(summed[name], gradient, rtol=1e-3, atol=1e-5)
 
 
-@pytest.mark.parametrize("name", LEARNERS)
+@pytest.mark.parametrize("name", CONFIGS)
 def test_finds_every_target_with_every_picture(name, problem):
     told = []
     network, history = LEARNERS[name].train([problem], CONFIGS[name], told.append)
@@ -142,7 +142,7 @@ def test_finds_every_target_with_every_picture(name, problem):
     assert last["iteration"] < CONFIGS[name].iterations, "it should have stopped early"
 
 
-@pytest.mark.parametrize("name", LEARNERS)
+@pytest.mark.parametrize("name", CONFIGS)
 def test_learns_several_scenes_at_once_and_the_same_for_the_same_seed(name, problem):
     problems = [problem, toy_problem(1, side=2, targets=1)]
     config = replace(CONFIGS[name], iterations=2, target_ratio=None)
@@ -168,7 +168,7 @@ def test_ppo_takes_every_reward(reward, problem):
     assert len(LEARNERS["ppo"].train([problem], config)[1]) == 1
 
 
-@pytest.mark.parametrize("name", LEARNERS)
+@pytest.mark.parametrize("name", CONFIGS)
 def test_stops_when_time_is_up_and_gives_threads_back(name, problem):
     threads = torch.get_num_threads()
     _, history = LEARNERS[name].train([problem], replace(CONFIGS[name], seconds=0.0, threads=threads + 1))
@@ -209,7 +209,7 @@ def test_refuses_settings_out_of_range(kind, fields, message):
 
 
 def test_refuses_unknown_learners_and_settings_of_another(problem):
-    with pytest.raises(SearchError, match="no learner 'sarsa'; choose one of mirror-descent, ppo"):
+    with pytest.raises(SearchError, match="no learner 'sarsa'; choose one of mirror-descent, ppo, a3c"):
         learner_named("sarsa")
     with pytest.raises(SearchError, match="needs a PpoConfig, got a MirrorDescentConfig"):
         LEARNERS["ppo"].train([problem], MirrorDescentConfig())

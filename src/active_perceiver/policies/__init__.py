@@ -1,6 +1,6 @@
 """Policies: what they are at run time, how they are trained, how well they search. Only training imports torch."""
 
-from active_perceiver.policies.config import LearnerConfig, MirrorDescentConfig, PpoConfig
+from active_perceiver.policies.config import A3cConfig, LearnerConfig, MirrorDescentConfig, PpoConfig
 from active_perceiver.policies.evaluation import (
     Evaluation,
     SearchResult,
@@ -15,6 +15,7 @@ from active_perceiver.policies.sampling import ActionSampler, Episode, run_episo
 
 __all__ = [
     "LEARNERS",
+    "A3cConfig",
     "ActionPolicy",
     "ActionSampler",
     "Episode",

@@ -130,6 +130,54 @@ class PpoConfig(LearnerConfig):
         return self.entropy_weight * max(0.0, 1 - 1.25 * iteration / self.iterations)
 
 
+@dataclass(frozen=True, kw_only=True)
+class A3cConfig(LearnerConfig):
+    """Settings of `a3c`, as in Zhu et al. (ICRA 2017) and the paper unless said otherwise."""
+
+    reward: str = "record"
+    """What is paid for: a name in `REWARDS`; the paper's is "record"."""
+    gamma: float = 0.99
+    """Discount of rewards per step, 0..1."""
+    learning_rate: float = 7e-4
+    """Of RMSProp, at the start; it falls linearly to a tenth."""
+    iterations: int = 10_000
+    """Updates of the shared weights, by all workers together."""
+    max_steps: int = 5000
+    """Actions after which an episode is cut off."""
+    update_steps: int | None = None
+    """Actions between two updates; None to update at the end of each episode, as the paper does."""
+    reward_scale: float = 1.0
+    """Rewards are multiplied by it; neither paper says in which unit an area is paid."""
+    entropy_weight: float = 0.01
+    """Weight of the entropy: 0.1 is the paper's "high exploration", 0.01 its "low exploration"."""
+    value_weight: float = 0.5
+    """Weight of the squared error of the values."""
+    gradient_norm: float = 40.0
+    """Longer gradients are cut to this length."""
+    decay: float = 0.99
+    """Of the mean of squared gradients (RMSProp), which all workers share."""
+    epsilon: float = 0.1
+    """Added to the mean of squared gradients."""
+    serial: bool = False
+    """Let the workers take turns in this process: slower, but the same seed then gives the same policy."""
+    check_every: int = 100
+    """Iterations between two measurements for the history."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.update_steps is not None and self.update_steps < 1:
+            raise SearchError(f"update_steps must be at least 1 or None, got {self.update_steps}")
+        for label in ("reward_scale", "gradient_norm", "epsilon"):
+            if not getattr(self, label) > 0:
+                raise SearchError(f"{label} must be positive, got {getattr(self, label)}")
+        if not 0 <= self.decay < 1:
+            raise SearchError(f"the decay must be at least 0 and less than 1, got {self.decay}")
+
+    def counts(self) -> tuple[str, ...]:
+        """See `LearnerConfig.counts`."""
+        return ("max_steps",)
+
+
 def reward_of(config: LearnerConfig) -> Reward:
     """The reward a configuration names."""
     return reward_named(config.reward)

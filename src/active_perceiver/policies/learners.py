@@ -6,13 +6,15 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from active_perceiver.policies.config import LearnerConfig, MirrorDescentConfig, PpoConfig
+from active_perceiver.policies.config import A3cConfig, LearnerConfig, MirrorDescentConfig, PpoConfig
 from active_perceiver.policies.problem import Problem
 from active_perceiver.search.task import SearchError
 
 if TYPE_CHECKING:
+    from active_perceiver.policies.monitor import Inspect
     from active_perceiver.policies.network import PolicyNetwork
 
 
@@ -25,18 +27,22 @@ class Learner:
         config: the class of its settings.
         function: where it is, as "module:function".
         meaning: one line for help texts.
+        keeps_checkpoints: whether it takes so long that it keeps its state in a file.
     """
 
     name: str
     config: type[LearnerConfig]
     function: str
     meaning: str
+    keeps_checkpoints: bool = False
 
     def train(
         self,
         problems: Sequence[Problem],
         config: LearnerConfig | None = None,
         progress: Callable[[dict[str, float]], None] | None = None,
+        inspect: Inspect | None = None,
+        checkpoint: Path | None = None,
     ) -> tuple[PolicyNetwork, list[dict[str, float]]]:
         """Train a policy with a branch for each problem.
 
@@ -44,6 +50,8 @@ class Learner:
             problems: one per scene, with features of one backbone.
             config: of the class `config`; None for its defaults.
             progress: is called with each record of the history.
+            inspect: is shown each record with the policy tables it measures.
+            checkpoint: where a learner that keeps checkpoints keeps its state; one that is there is gone on with.
 
         Returns:
             The network and the history; see `Monitor` for what a record holds.
@@ -61,7 +69,9 @@ class Learner:
         except ModuleNotFoundError as error:
             raise SearchError(f"training needs {error.name}: pip install 'active-perceiver[train]'") from None
         with _torch_threads(config.threads):
-            return train(problems, config, progress)
+            if self.keeps_checkpoints:
+                return train(problems, config, progress, inspect, checkpoint)
+            return train(problems, config, progress, inspect)
 
 
 LEARNERS: dict[str, Learner] = {
@@ -78,6 +88,13 @@ LEARNERS: dict[str, Learner] = {
             PpoConfig,
             "active_perceiver.policies.ppo:train_ppo",
             "rollouts by table look-ups; for any reward",
+        ),
+        Learner(
+            "a3c",
+            A3cConfig,
+            "active_perceiver.policies.a3c:train_a3c",
+            "a process per scene and target, as the paper trains; slow",
+            keeps_checkpoints=True,
         ),
     )
 }

@@ -15,13 +15,16 @@ from torch import Tensor
 
 from active_perceiver.policies.advantages import exact_advantages
 from active_perceiver.policies.config import MirrorDescentConfig, reward_of
-from active_perceiver.policies.monitor import Monitor, Progress, Record
+from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
 from active_perceiver.policies.network import PolicyNetwork, picture_tensors, seeded_network
 from active_perceiver.policies.problem import Problem
 
 
 def train_mirror_descent(
-    problems: Sequence[Problem], config: MirrorDescentConfig, progress: Progress | None = None
+    problems: Sequence[Problem],
+    config: MirrorDescentConfig,
+    progress: Progress | None = None,
+    inspect: Inspect | None = None,
 ) -> tuple[PolicyNetwork, list[Record]]:
     """Train a policy for one or several scenes.
 
@@ -29,6 +32,7 @@ def train_mirror_descent(
         problems: one per scene, with features of one backbone.
         config: see `MirrorDescentConfig`.
         progress: is called with every record of the history.
+        inspect: is shown every record with the policy tables it measures.
 
     Returns:
         The network and the history, see `Monitor`.
@@ -39,7 +43,7 @@ def train_mirror_descent(
     network = seeded_network(problems, config)
     rng = np.random.default_rng(config.seed)
     optimiser = torch.optim.Adam(network.parameters(), lr=config.learning_rate, fused=True)
-    monitor = Monitor(problems, config, progress)
+    monitor = Monitor(problems, config, progress, inspect)
     for iteration in range(config.iterations):
         optimiser.param_groups[0]["lr"] = config.learning_rate_at(iteration)
         # Another picture of each target every time, so that the policy comes to work with all of them.

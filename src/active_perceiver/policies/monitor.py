@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.evaluation import SearchResult, exact_evaluation, mean_evaluation
@@ -14,6 +15,8 @@ from active_perceiver.policies.problem import Problem
 
 Record = dict[str, float]
 Progress = Callable[[Record], None]
+# Is shown every record and the policy tables (S, T, A) that it measures, one per problem.
+Inspect = Callable[[Record, Sequence[NDArray[np.float32]]], None]
 
 # Rounding keeps an exact success from being 1.
 ALWAYS = 1 - 1e-6
@@ -24,6 +27,13 @@ PROGRESS = 0.002
 class Monitor:
     """Measures a network every few iterations, exactly, and says when it is good enough or time is up.
 
+    Args:
+        problems: what it is measured in.
+        config: how often, and when it is good enough.
+        progress: is told each record.
+        inspect: is shown each record and the tables it measures.
+        earlier: records of a training that goes on.
+
     A measurement uses one picture per target, another one each time; only when that one is good enough are all of
     them tried.
 
@@ -33,12 +43,21 @@ class Monitor:
             targets, in nats).
     """
 
-    def __init__(self, problems: Sequence[Problem], config: LearnerConfig, progress: Progress | None) -> None:
-        self.history: list[Record] = []
+    def __init__(
+        self,
+        problems: Sequence[Problem],
+        config: LearnerConfig,
+        progress: Progress | None,
+        inspect: Inspect | None = None,
+        earlier: Sequence[Record] = (),
+    ) -> None:
+        self.history: list[Record] = list(earlier)
         self._problems = problems
         self._config = config
         self._progress = progress
-        self._started = time.monotonic()
+        self._inspect = inspect
+        self._measured = int(earlier[-1]["iteration"]) if earlier else 0
+        self._started = time.monotonic() - (earlier[-1]["seconds"] if earlier else 0.0)
         self._best_ratio = float("inf")
         self._best_at = 0  # measurements up to the best one
 
@@ -52,9 +71,11 @@ class Monitor:
         """
         config = self._config
         out_of_time = config.seconds is not None and time.monotonic() - self._started >= config.seconds
-        if iteration % config.check_every and iteration < config.iterations and not out_of_time:
+        waited = iteration - self._measured
+        if waited < config.check_every and not out_of_time and not (waited and iteration >= config.iterations):
             return False
-        result, entropy = self._measure(network, picture=len(self.history))
+        self._measured = iteration
+        result, entropy, tables = self._measure(network, picture=len(self.history))
         record = {
             "iteration": iteration,
             "seconds": time.monotonic() - self._started,
@@ -67,15 +88,20 @@ class Monitor:
         self.history.append(record)
         if self._progress is not None:
             self._progress(record)
+        if self._inspect is not None:
+            self._inspect(record, tables)
         return out_of_time or self._stalled(result) or (self._good(result) and self._good_with_every_picture(network))
 
-    def _measure(self, network: PolicyNetwork, picture: int) -> tuple[SearchResult, float]:
-        evaluations, entropies = [], []
-        for problem in self._problems:
-            table, _ = problem_table(network, problem, picture % problem.observations.pictures)
-            evaluations.append(exact_evaluation(table, problem.task, self._config.check_limit))
-            entropies.append(-(table * np.log(np.maximum(table, 1e-30))).sum(axis=-1).mean())
-        return mean_evaluation(evaluations).overall, float(np.mean(entropies))
+    def _measure(self, network: PolicyNetwork, picture: int) -> tuple[SearchResult, float, list[NDArray[np.float32]]]:
+        tables = [
+            problem_table(network, problem, picture % problem.observations.pictures)[0] for problem in self._problems
+        ]
+        evaluations = [
+            exact_evaluation(table, problem.task, self._config.check_limit)
+            for table, problem in zip(tables, self._problems, strict=True)
+        ]
+        entropy = float(np.mean([entropies(table).mean() for table in tables]))
+        return mean_evaluation(evaluations).overall, entropy, tables
 
     def _stalled(self, result: SearchResult) -> bool:
         """Whether searches always arrive, but have not become shorter for `patience` measurements."""
@@ -93,3 +119,8 @@ class Monitor:
     def _good_with_every_picture(self, network: PolicyNetwork) -> bool:
         most = max(problem.observations.pictures for problem in self._problems)
         return all(self._good(self._measure(network, picture)[0]) for picture in range(most))
+
+
+def entropies(table: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Entropy of a policy, in nats: (..., A) probabilities -> (...)."""
+    return -(table * np.log(np.maximum(table, 1e-30))).sum(axis=-1)

@@ -17,14 +17,17 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from active_perceiver.policies.config import PpoConfig, reward_of
-from active_perceiver.policies.monitor import Monitor, Progress, Record
+from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
 from active_perceiver.policies.network import PolicyNetwork, picture_tensors, seeded_network
 from active_perceiver.policies.problem import Problem
 from active_perceiver.policies.rollouts import Rollout, RolloutWorker, estimate_advantages
 
 
 def train_ppo(
-    problems: Sequence[Problem], config: PpoConfig, progress: Progress | None = None
+    problems: Sequence[Problem],
+    config: PpoConfig,
+    progress: Progress | None = None,
+    inspect: Inspect | None = None,
 ) -> tuple[PolicyNetwork, list[Record]]:
     """Train a policy for one or several scenes.
 
@@ -32,6 +35,7 @@ def train_ppo(
         problems: one per scene, with features of one backbone.
         config: see `PpoConfig`.
         progress: is called with every record of the history.
+        inspect: is shown every record with the policy tables it measures.
 
     Returns:
         The network and the history, see `Monitor`.
@@ -42,7 +46,7 @@ def train_ppo(
     network = seeded_network(problems, config)
     rng = np.random.default_rng(config.seed)
     optimiser = torch.optim.Adam(network.parameters(), lr=config.learning_rate, fused=True)
-    monitor = Monitor(problems, config, progress)
+    monitor = Monitor(problems, config, progress, inspect)
     share = -(-config.searches // len(problems))
     workers = [RolloutWorker(problem.task, share, reward_of(config), config.max_steps, rng) for problem in problems]
     samples = 0
