@@ -20,7 +20,7 @@ PICTURES = 2
 
 
 @torch.inference_mode()
-def _judge(
+def judge_pairs(
     network: RecogniserNetwork, views: Tensor, asked: Tensor
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """All prepared views with all prepared pictures: (V, ...), (Q, ...) -> (V, Q) logits, (V, Q, 4) boxes."""
@@ -36,7 +36,7 @@ def _judge(
 def _judge_scenes(
     network: RecogniserNetwork, views: Tensor, asked: Tensor, names: NDArray[np.str_], judged: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Like `_judge`, but only the views of a scene with the targets of that scene: nothing else is known.
+    """Like `judge_pairs`, but only the views of a scene with the targets of that scene: nothing else is known.
 
     Args:
         network: the recogniser.
@@ -53,13 +53,13 @@ def _judge_scenes(
         rows = np.flatnonzero(judged[:, columns].any(axis=1))
         if len(rows):
             block = np.ix_(rows, columns)
-            logits[block], boxes[block] = _judge(
+            logits[block], boxes[block] = judge_pairs(
                 network, views[torch.from_numpy(rows)], asked[torch.from_numpy(columns)]
             )
     return logits, boxes
 
 
-def _questions(data: Annotations, split: Split) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
+def questions(data: Annotations, split: Split) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
     """For each measurement the (Q,) targets and (Q,) pictures that are asked for."""
     seen, unseen, unknown = [], [], []
     for target, (count, trained) in enumerate(zip(data.pictures, split.seen_pictures, strict=True)):
@@ -68,8 +68,8 @@ def _questions(data: Annotations, split: Split) -> dict[str, tuple[NDArray[np.in
         else:
             seen += [(target, picture) for picture in _spread(0, trained)]
             unseen += [(target, picture) for picture in _spread(trained, count)]
-    questions = {"seen pictures": seen, "unseen pictures": unseen, "unknown targets": unknown}
-    return {name: (np.array(rows)[:, 0], np.array(rows)[:, 1]) for name, rows in questions.items() if rows}
+    asked = {"seen pictures": seen, "unseen pictures": unseen, "unknown targets": unknown}
+    return {name: (np.array(rows)[:, 0], np.array(rows)[:, 1]) for name, rows in asked.items() if rows}
 
 
 def _spread(start: int, stop: int) -> list[int]:
@@ -98,7 +98,7 @@ def judge_split(
         return 0.5, {}
     held_out = views[torch.from_numpy(split.views)]
     states = data.states[split.views]
-    questions = _questions(data, split)
+    asked = questions(data, split)
     answers = {
         name: _judge_scenes(
             network,
@@ -107,28 +107,49 @@ def judge_split(
             data.names[targets],
             states[:, targets] != UNJUDGED,
         )
-        for name, (targets, numbers) in questions.items()
+        for name, (targets, numbers) in asked.items()
     }
-    known = [name for name in questions if name != "unknown targets"]
-    truth = np.concatenate([states[:, questions[name][0]] for name in known], axis=1)
+    known = [name for name in asked if name != "unknown targets"]
+    truth = np.concatenate([states[:, asked[name][0]] for name in known], axis=1)
     logits = np.concatenate([answers[name][0] for name in known], axis=1)
     scale, shift = platt_scaling(logits[truth != UNJUDGED], truth[truth != UNJUDGED] == PRESENT)
     network.shift.copy_(scale * network.shift + shift)
     network.scale.mul_(scale)
-    probabilities = {name: _sigmoid(scale * answers[name][0] + shift) for name in questions}
+    probabilities = {name: sigmoid(scale * answers[name][0] + shift) for name in asked}
     scores = np.concatenate([probabilities[name] for name in known], axis=1)
     threshold = choose_threshold(scores[truth != UNJUDGED], truth[truth != UNJUDGED] == PRESENT, most_false)
 
-    metrics = {}
-    for name, (targets, _) in questions.items():
-        judged = states[:, targets] != UNJUDGED
-        boxes = data.boxes[split.views][:, targets].copy()
-        boxes[states[:, targets] == ABSENT] = np.nan
-        names = np.broadcast_to(data.names[targets], judged.shape)
-        metrics[name] = RecognitionMetrics.of(
-            probabilities[name][judged], answers[name][1][judged], boxes[judged], threshold, names[judged], 0.0
-        )
+    metrics = {
+        name: measure(probabilities[name], answers[name][1], data, split.views, targets, threshold)
+        for name, (targets, _) in asked.items()
+    }
     return threshold, metrics
+
+
+def measure(
+    scores: NDArray[np.floating],
+    boxes: NDArray[np.floating],
+    data: Annotations,
+    views: NDArray[np.bool_],
+    targets: NDArray[np.int64],
+    threshold: float,
+) -> RecognitionMetrics:
+    """How good answers are, leaving out what cannot be judged.
+
+    Args:
+        scores: (N, Q) presence probabilities in N views.
+        boxes: (N, Q, 4) where the targets would be.
+        data: what the views show.
+        views: (V,) bool, the N of all views that were asked.
+        targets: (Q,) which of the targets each was asked for.
+        threshold: score from which on a detection counts.
+    """
+    states = data.states[views][:, targets]
+    judged = states != UNJUDGED
+    truth = data.boxes[views][:, targets]
+    truth[states == ABSENT] = np.nan
+    names = np.broadcast_to(data.names[targets], judged.shape)
+    return RecognitionMetrics.of(scores[judged], boxes[judged], truth[judged], threshold, names[judged], 0.0)
 
 
 def platt_scaling(logits: NDArray[np.float32], present: NDArray[np.bool_]) -> tuple[float, float]:
@@ -164,5 +185,6 @@ def platt_scaling(logits: NDArray[np.float32], present: NDArray[np.bool_]) -> tu
     return float(np.exp(scale)), shift
 
 
-def _sigmoid(logits: NDArray[np.float32]) -> NDArray[np.float32]:
+def sigmoid(logits: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Log-odds as probabilities, without overflow."""
     return 0.5 + 0.5 * np.tanh(0.5 * logits)

@@ -74,20 +74,31 @@ class Split:
 
     @classmethod
     def of(cls, data: Annotations, places: float, targets: Sequence[str], rng: np.random.Generator) -> Split:
-        """Hold out a fraction of the places, the pictures that the scenes say, and some targets by name.
+        """Hold out a fraction of the places, drawn at random; for the rest see `holding_out`.
 
         Where there are two places or more, one at least is held out and one kept.
+        """
+        known = np.unique(data.places)
+        count = min(max(round(places * len(known)), int(places > 0)), len(known) - 1)
+        return cls.holding_out(data, np.isin(data.places, rng.permutation(known)[:count]), targets)
+
+    @classmethod
+    def holding_out(cls, data: Annotations, views: NDArray[np.bool_], targets: Sequence[str]) -> Split:
+        """Hold out given views, (V,) bool, the pictures that the scenes say, and some targets by name.
 
         Raises:
-            RecogniserError: if there is no target of one of the names.
+            RecogniserError: if there is no target of one of the names, some views of a place are held out and others
+                not, or all views are.
         """
+        if np.intersect1d(data.places[views], data.places[~views]).size:
+            raise RecogniserError("of some places only a part of the views is held out; hold out all of them or none")
+        if views.all():
+            raise RecogniserError("all views are held out; leave some places to train on")
         short_names = [name.split("/")[-1] for name in data.names]
         if unknown := [name for name in targets if name not in short_names]:
             raise RecogniserError(f"there are no targets {unknown} to hold out; there are {sorted(set(short_names))}")
-        known = np.unique(data.places)
-        count = min(max(round(places * len(known)), int(places > 0)), len(known) - 1)
         return cls(
-            views=np.isin(data.places, rng.permutation(known)[:count]),
+            views=views,
             targets=np.isin(short_names, targets),
             seen_pictures=data.pictures - data.held_out,
         )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -120,6 +121,7 @@ def train_recogniser(
     features: Sequence[SceneFeatures],
     config: RecogniserConfig | None = None,
     progress: Progress | None = None,
+    held_out: Sequence[NDArray[np.bool_]] | None = None,
 ) -> TrainedRecogniser:
     """Train on all annotated targets of some scenes; the scenes say which of their pictures are kept for judging.
 
@@ -128,24 +130,34 @@ def train_recogniser(
         features: of the scenes, in the same order, by one backbone.
         config: how; None for the default.
         progress: called after every update with its number, the number of all, and a running mean of the loss.
+        held_out: for each scene the (S,) bool mask of the views that are kept for judging, all or none of a place;
+            None to draw the fraction of the places that `config` says.
 
     Raises:
-        RecogniserError: if scenes and features do not fit, or no target is visible anywhere.
+        RecogniserError: if scenes, features and views to hold out do not fit, or no target is visible anywhere.
     """
     config = config or CONFIGS["matching"]
-    _check(scenes, features)
+    _check(scenes, features, held_out)
     started = time.monotonic()
-    threads = torch.get_num_threads()
-    torch.set_num_threads(config.threads or threads)
+    with using_threads(config.threads), torch.random.fork_rng(devices=[]):
+        torch.manual_seed(config.seed)
+        return _train(scenes, features, config, held_out, progress, started)
+
+
+@contextmanager
+def using_threads(threads: int | None) -> Iterator[None]:
+    """Let torch use so many CPU threads, or as many as before if None, and afterwards as many as before."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(threads or before)
     try:
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(config.seed)
-            return _train(scenes, features, config, progress, started)
+        yield
     finally:
-        torch.set_num_threads(threads)
+        torch.set_num_threads(before)
 
 
-def _check(scenes: Sequence[Scene], features: Sequence[SceneFeatures]) -> None:
+def _check(
+    scenes: Sequence[Scene], features: Sequence[SceneFeatures], held_out: Sequence[NDArray[np.bool_]] | None
+) -> None:
     if not scenes or len(scenes) != len(features):
         raise RecogniserError(
             f"training needs scenes and the features of each: got {len(scenes)} and {len(features)}"
@@ -155,27 +167,34 @@ def _check(scenes: Sequence[Scene], features: Sequence[SceneFeatures]) -> None:
             raise RecogniserError(f"the features given for scene '{scene.name}' are of another scene")
     if len({(feature.backbone, feature.view_maps.shape[1:]) for feature in features}) > 1:
         raise RecogniserError("the scenes' features come from different backbones or image sizes; use one for all")
+    shapes = [(len(scene),) for scene in scenes]
+    if held_out is not None and [views.shape for views in held_out] != shapes:
+        raise RecogniserError(f"the views to hold out need one mask a scene, of shapes {shapes}")
 
 
 def _train(
     scenes: Sequence[Scene],
     features: Sequence[SceneFeatures],
     config: RecogniserConfig,
+    held_out: Sequence[NDArray[np.bool_]] | None,
     progress: Progress | None,
     started: float,
 ) -> TrainedRecogniser:
     rng = np.random.default_rng(config.seed)
     data = Annotations.of(scenes, config.smallest_area)
-    split = Split.of(data, config.held_out_places, config.held_out_targets, rng)
+    if held_out is None:
+        split = Split.of(data, config.held_out_places, config.held_out_targets, rng)
+    else:
+        split = Split.holding_out(data, np.concatenate(held_out), config.held_out_targets)
     sampler = PairSampler(data, split, config.present, rng)
     network = RECOGNISERS[config.kind](features[0].view_maps.shape[1:])
     network.fit(_sample_of_views(features, split, rng))
-    views = torch.cat([_prepared(network.prepare, feature.view_maps) for feature in features])
+    views = torch.cat([prepared(network.prepare, feature.view_maps) for feature in features])
     # Targets of scenes with fewer pictures are padded; those rows are never asked for.
     most = max(feature.target_maps.shape[1] for feature in features)
     pictures = torch.cat(
         [
-            _prepared(network.prepare_target, np.take(maps, np.arange(most) % len(maps), 0))
+            prepared(network.prepare_target, np.take(maps, np.arange(most) % len(maps), 0))
             for f in features
             for maps in f.target_maps
         ]
@@ -253,7 +272,7 @@ def _sample_of_views(features: Sequence[SceneFeatures], split: Split, rng: np.ra
 
 
 @torch.inference_mode()
-def _prepared(prepare: Callable[[Tensor], Tensor], maps: NDArray[np.float16]) -> Tensor:
+def prepared(prepare: Callable[[Tensor], Tensor], maps: NDArray[np.float16]) -> Tensor:
     """What a network makes of maps without learning, as float16: (N, C, h, w) -> (N, ...)."""
     parts = [
         prepare(torch.from_numpy(maps[start : start + PREPARE_BATCH].astype(np.float32))).half()
