@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import MISSING, asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from active_perceiver.errors import UserError
 from active_perceiver.files import replacing
@@ -13,6 +13,9 @@ from active_perceiver.scenes import Action
 
 FORMAT = "active-perceiver-agent"
 VERSION = 1
+
+SearchKind = Literal["object", "view"]
+"""What a picture shows that an agent searches for: an object on its own, or a view of the scene."""
 
 
 class AgentError(UserError, ValueError):
@@ -26,12 +29,13 @@ class KnownTarget:
     Attributes:
         scene: the scene, and policy branch, it was trained in.
         name: the target's name there.
-        found_area: the agent says found when its own box covers at least this fraction of the image.
+        found_area: the agent says found when its own box covers at least this fraction of the image; a target that
+            is a view fills it.
     """
 
     scene: str
     name: str
-    found_area: float
+    found_area: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -41,13 +45,16 @@ class AgentConfig:
     Attributes:
         backbone: name of the frozen feature extractor.
         image_size: side in pixels to which views and pictures are scaled.
-        recogniser: kind of recogniser, "matching" or "pooled".
+        recogniser: kind of recogniser, "matching" or "pooled"; "none" if it searches for views.
         score_threshold: presence probability from which on a detection counts.
         branches: policy branch (scene name) -> names of its actions.
         targets: what the policy was trained for.
         found_area: `KnownTarget.found_area` for a picture that shows none of them.
         known_similarity: cosine similarity of the recogniser's codes from which on a picture shows a known target.
         training: how it was trained (settings and seeds), for people to read.
+        task: what it searches for; agents of before there was a choice search for objects.
+        found_similarity: an agent that searches for views says found when the features of what it sees have at least
+            this cosine similarity to those of the picture.
     """
 
     backbone: str
@@ -59,6 +66,12 @@ class AgentConfig:
     found_area: float
     known_similarity: float
     training: dict[str, Any] = field(default_factory=dict)
+    task: SearchKind = "object"
+    found_similarity: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.task not in get_args(SearchKind):
+            raise AgentError(f"an agent searches for one of {', '.join(get_args(SearchKind))}, not '{self.task}'")
 
     def actions(self, branch: str) -> tuple[Action, ...]:
         """The actions of one branch, in the order of the policy's outputs."""
@@ -91,7 +104,8 @@ class AgentConfig:
         if (version := data.pop("version", None)) != VERSION:
             raise AgentError(f"{path} has version {version}; this software reads version {VERSION}: update it")
         names = {entry.name for entry in fields(cls)}
-        if missing := names - {"training"} - data.keys():
+        optional = {e.name for e in fields(cls) if e.default is not MISSING or e.default_factory is not MISSING}
+        if missing := names - optional - data.keys():
             raise AgentError(f"{path} lacks {', '.join(sorted(missing))}; train or copy the agent again")
         try:
             data["targets"] = [KnownTarget(**target) for target in data["targets"]]

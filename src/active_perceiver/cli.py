@@ -90,7 +90,7 @@ class Search:
     agent: Positional[Path]
     """Folder of the agent."""
     picture: Path
-    """Picture of the object on its own; any image file."""
+    """Picture of the object on its own, or of the view if the agent searches for views; any image file."""
     robot: str
     """Where to search: scene:NAME for a bundled scene, scene:FILE for a scene file."""
     start: int | None = None
@@ -156,9 +156,11 @@ Command = (
         subcommand(
             "train",
             description=help_text(
-                "Train a recogniser and a policy; the result is a folder that runs without torch.",
+                "Train a recogniser and a policy, or, with --task view, a policy alone; the result is a folder that "
+                "runs without torch.",
                 "train --out kitchen_agent",
                 "train --scenes kitchen_1 --targets mug plate --out agent --learner ppo --reward gain",
+                "train --task view --scenes kitchen_1 --targets 12 345 700 --out zhu_agent",
             ),
         ),
     ]
@@ -178,7 +180,7 @@ Command = (
         subcommand(
             "search",
             description=help_text(
-                "Search for the object in a picture; exit code 1 if it was not found.",
+                "Search for what a picture shows; exit code 1 if it was not found.",
                 "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1",
                 "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1 --out run --seed 7",
             ),

@@ -1,4 +1,4 @@
-"""ActivePerceiver: backbone, recogniser and policy together, the thing that runs on a robot. Never imports torch."""
+"""ActivePerceiver: backbone, seeker and policy together, the thing that runs on a robot. Never imports torch."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from active_perceiver.agent_config import AgentConfig, AgentError
 from active_perceiver.files import OutputExistsError
-from active_perceiver.known_targets import FoundCriterion, KnownTargets
+from active_perceiver.known_targets import SEEKERS, FoundCriterion, KnownTargets, ObjectSeeker, Seeker
 from active_perceiver.policies.policy import Policy
 from active_perceiver.policies.restless import ALIKE, restless, unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import Action, read_image
 from active_perceiver.search.location import location_mask
-from active_perceiver.vision.backbone import Backbone, load_backbone, pooled, pooled_middle
+from active_perceiver.vision.backbone import Backbone, load_backbone, pooled
 
 
 @dataclass(frozen=True)
@@ -39,25 +39,22 @@ class Step:
 
 
 class ActivePerceiver:
-    """Searches for the object in a picture: `reset` with the picture, then `act` on one image after the other.
+    """Searches for what a picture shows: `reset` with the picture, then `act` on one image after the other.
 
     Attributes:
         folder: where the agent is kept.
         config: how it is put together.
-        known: the targets it was trained for.
-        criterion: when it says found in the current search.
+        seeker: how it knows what it searches for.
+        policy: how it gets there.
     """
-
-    criterion: FoundCriterion
 
     def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone) -> None:
         """Load the networks of an agent folder; `from_pretrained` is the usual way in."""
         self.folder = folder
         self.config = config
         self.backbone = backbone
-        self.recogniser = Recogniser(folder / "recogniser.onnx")
+        self.seeker: Seeker = SEEKERS[config.task](folder, config, backbone)
         self.policy = Policy(folder / "policy.onnx")
-        self.known = KnownTargets(folder, config, backbone, self.recogniser)
         self._branch = ""
 
     @classmethod
@@ -73,7 +70,7 @@ class ActivePerceiver:
         """
         folder = Path(folder)
         config = AgentConfig.load(folder)
-        for name in ("recogniser.onnx", "policy.onnx"):
+        for name in (*SEEKERS[config.task].files, "policy.onnx"):
             if not (folder / name).is_file():
                 raise AgentError(f"{folder} lacks {name}; train the agent again, or copy the whole folder")
         return cls(folder, config, load_backbone(config.backbone, folder, image_size=config.image_size))
@@ -103,13 +100,47 @@ class ActivePerceiver:
         self._check_reset()
         return self.config.actions(self._branch)
 
+    @property
+    def recogniser(self) -> Recogniser:
+        """What draws its boxes.
+
+        Raises:
+            AgentError: if it searches for views and has none.
+        """
+        return self._object_seeker.recogniser
+
+    @property
+    def known(self) -> KnownTargets:
+        """The objects it was trained for.
+
+        Raises:
+            AgentError: if it searches for views.
+        """
+        return self._object_seeker.known
+
+    @property
+    def criterion(self) -> FoundCriterion:
+        """When it says found in the current search for an object.
+
+        Raises:
+            AgentError: if it searches for views.
+        """
+        return self._object_seeker.criterion
+
+    @property
+    def _object_seeker(self) -> ObjectSeeker:
+        if not isinstance(self.seeker, ObjectSeeker):
+            raise AgentError(f"{self.folder} searches for views of its scenes: it has no recogniser of objects")
+        return self.seeker
+
     def reset(
         self, picture: NDArray[np.uint8] | Path | str, scene: str | None = None, seed: int | None = None
     ) -> None:
         """Begin a search.
 
         Args:
-            picture: the object on its own: (H, W, 3) uint8 RGB of any size, or an image file.
+            picture: the object on its own, or the view if it searches for views: (H, W, 3) uint8 RGB of any size,
+                or an image file.
             scene: the policy branch to use; may be left out if there is only one.
             seed: the draws of actions follow from it.
 
@@ -124,11 +155,8 @@ class ActivePerceiver:
         if branch not in self.config.branches:
             raise AgentError(f"this agent was not trained in '{branch}'; it knows {known}")
         image = picture if isinstance(picture, np.ndarray) else read_image(picture)
-        maps = self.backbone.maps([image])
+        self._target = self.seeker.begin(self.backbone.maps([image]), branch)
         self._branch = branch
-        self._target = pooled_middle(maps)
-        self._code = self.recogniser.encode_target(maps)
-        self.criterion = self.known.criterion(self._code[0], branch)
         self._random = np.random.default_rng(seed)
         self._looks: list[NDArray[np.float32]] = []
 
@@ -143,18 +171,17 @@ class ActivePerceiver:
         """
         self._check_reset()
         maps = self.backbone.maps([image])
-        scores, boxes = self.recogniser.detect(maps, self._code)
-        detection = Detection(float(scores[0]), boxes[0]) if scores[0] >= self.config.score_threshold else None
-        mask = location_mask(np.full(4, np.nan) if detection is None else detection.box)
+        sight = self.seeker.look(maps)
+        mask = location_mask(np.full(4, np.nan) if sight.detection is None else sight.detection.box)
         view = pooled(maps)
         probabilities = self.policy.probabilities(view, self._target, mask[None], self._branch)[0]
         probabilities = restless(probabilities, self._earlier_looks(view[0]))
         draw = self._random.choice(len(probabilities), p=probabilities)
         return Step(
             action=self.actions[int(draw)],
-            detection=detection,
+            detection=sight.detection,
             probabilities=probabilities,
-            found=detection is not None and bool(self.criterion.met(detection.score, detection.area)),
+            found=sight.found,
         )
 
     def _earlier_looks(self, view: NDArray[np.float32]) -> int:

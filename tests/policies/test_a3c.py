@@ -39,7 +39,8 @@ def far_start(problem, target=0):
 
 @pytest.mark.parametrize("reward", REWARDS)
 def test_a_roll_out_is_what_the_environment_does(problem, reward):
-    config = replace(SMALL, reward=reward, reward_scale=3.0)
+    config = replace(SMALL, reward=reward, area_unit=3.0)
+    scale = 3.0 if reward in ("record", "area") else 1.0
     task, start = problem.task, far_start(problem, 1)
     worker = worker_for(problem, config, target=1)
     for most in (5, 400):  # a few states decided one by one, then all at once
@@ -49,7 +50,7 @@ def test_a_roll_out_is_what_the_environment_does(problem, reward):
         for step, action in enumerate(segment.actions):
             following = task.transitions[segment.states[step], action]
             _, paid, terminated, _, _ = env.step(int(action))
-            assert segment.rewards[step] == pytest.approx(3.0 * paid, abs=1e-6)
+            assert segment.rewards[step] == pytest.approx(scale * paid, abs=1e-6)
             assert following == (segment.states[step + 1] if step + 1 < len(segment.states) else segment.last)
             assert terminated == (segment.arrived and step + 1 == len(segment.states))
         assert segment.arrived or len(segment.states) == most
@@ -164,7 +165,7 @@ def test_updates_every_few_steps_learn_too(problem):
         SMALL, reward="arrival", gamma=0.95, update_steps=5, learning_rate=3e-3, epsilon=1e-4, iterations=1500,
         hidden=32, check_every=1500,
     )  # fmt: skip
-    network, history = train_a3c([problem], config)
+    _, history = train_a3c([problem], config)
     assert history[-1]["iteration"] == 1500
     assert history[-1]["samples"] <= 1500 * 5
     walk = exact_evaluation(np.full((*problem.task.goals.shape, 8), 1 / 8), problem.task).overall
@@ -274,7 +275,7 @@ class TestSideBySide:
         ({"max_steps": 0}, "max_steps must be at least 1"),
         ({"update_steps": 0}, "update_steps must be at least 1 or None"),
         ({"epsilon": 0.0}, "epsilon must be positive"),
-        ({"reward_scale": -1.0}, "reward_scale must be positive"),
+        ({"area_unit": -1.0}, "area_unit must be positive"),
         ({"decay": 1.0}, "decay"),
         ({"reward": "fun"}, "no reward 'fun'"),
     ],

@@ -11,6 +11,7 @@ from active_perceiver.agent_config import AgentConfig, KnownTarget, picture_fold
 from active_perceiver.experiments import own_word
 from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.experiments.sightings import Sightings
+from active_perceiver.experiments.view_searches import ViewSearches
 from active_perceiver.files import replacing
 from active_perceiver.policies.restless import unit_vectors
 from active_perceiver.recognition.recogniser import Recogniser
@@ -91,8 +92,45 @@ def save_pictures(sightings: Sequence[Sightings], work: Path) -> None:
     for seen in sightings:
         for index in seen.targets:
             target = seen.scene.targets[index]
-            folder = picture_folder(work, seen.scene.name, target.name)
-            folder.mkdir(parents=True, exist_ok=True)
-            for number, data in enumerate(target.pictures[: target.trained]):
-                with replacing(folder / f"{number:02}.{image_suffix(data)}") as temporary:
-                    temporary.write_bytes(data)
+            _write_pictures(picture_folder(work, seen.scene.name, target.name), target.pictures[: target.trained])
+
+
+def view_agent_config(settings: TrainSettings, backbone: Backbone, searches: Sequence[ViewSearches]) -> AgentConfig:
+    """How an agent that searches for views is put together.
+
+    Args:
+        settings: what it was trained with.
+        backbone: of the features.
+        searches: what it was trained to search for in each scene.
+    """
+    return AgentConfig(
+        backbone=backbone.name,
+        image_size=backbone.image_size,
+        recogniser="none",
+        score_threshold=1.0,
+        branches={one.scene.name: [action.value for action in one.scene.actions] for one in searches},
+        targets=[KnownTarget(one.scene.name, name) for one in searches for name in one.task.targets],
+        found_area=1.0,
+        known_similarity=1.0,
+        training={
+            "scenes": [_source(source) for source in settings.scenes],
+            "learner": settings.learner,
+            "seed": settings.seed,
+        },
+        task="view",
+        found_similarity=max(one.found_similarity() for one in searches),
+    )
+
+
+def save_views(searches: Sequence[ViewSearches], work: Path) -> None:
+    """Keep the views that are searched for: pictures to search with, and by which the scene is known again."""
+    for one in searches:
+        for name, state in zip(one.task.targets, one.states, strict=True):
+            _write_pictures(picture_folder(work, one.scene.name, name), [one.scene.views[state]])
+
+
+def _write_pictures(folder: Path, pictures: Sequence[bytes]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for number, data in enumerate(pictures):
+        with replacing(folder / f"{number:02}.{image_suffix(data)}") as temporary:
+            temporary.write_bytes(data)

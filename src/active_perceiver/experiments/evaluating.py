@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from active_perceiver.agent_config import picture_folder
+from active_perceiver.agent_config import SearchKind, picture_folder
 from active_perceiver.errors import UserError
 from active_perceiver.experiments import own_word
+from active_perceiver.experiments.agent_scenes import agent_scenes
+from active_perceiver.experiments.policy_figures import evaluate_tables
 from active_perceiver.experiments.result import shown, write_result
 from active_perceiver.experiments.settings import EvaluateSettings
 from active_perceiver.experiments.sightings import Sightings, see_everywhere
+from active_perceiver.experiments.stages import features_of
+from active_perceiver.experiments.view_measuring import agent_view_searches, measure_view_agent
 from active_perceiver.files import OutputExistsError
 from active_perceiver.perceiver import ActivePerceiver
-from active_perceiver.policies.evaluation import (
-    Evaluation,
-    SearchResult,
-    episode_evaluation,
-    exact_evaluation,
-    mean_evaluation,
-)
+from active_perceiver.policies.evaluation import Evaluation
 from active_perceiver.policies.policy import policy_table
-from active_perceiver.progress import console, progress_bar
+from active_perceiver.progress import console
 from active_perceiver.recognition.metrics import RecognitionMetrics
-from active_perceiver.scenes import Scene, open_scene
+from active_perceiver.scenes import Scene
 from active_perceiver.search.task import SearchTask
-from active_perceiver.vision.cache import scene_features
 
 # In which scenes, and with which of the pictures there, an agent is asked to search.
 Asked = Sequence[tuple[Sightings, list[int]]]
@@ -69,55 +66,13 @@ def measure_agent(
 
 def _evaluate(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) -> Evaluation:
     """The evaluation with each picture in turn, averaged: a search may start from any of them."""
-    by_scene = []
-    rng = np.random.default_rng(settings.seed)
+    searches = []
     for seen, pictures in asked:
         task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
         observations = seen.observations(agent.config.score_threshold, pictures)
-        tables = [
-            policy_table(agent.policy, observations, seen.scene.name, picture) for picture in range(len(pictures))
-        ]
-        if settings.protocol == "exact":
-            evaluations = [exact_evaluation(table, task, settings.limit) for table in tables]
-        else:
-            evaluations = [
-                episode_evaluation(table, task, settings.episodes, settings.limit, rng) for table in tables
-            ]
-        by_scene.append(mean_over_pictures(evaluations))
-    return mean_evaluation(by_scene)
-
-
-def mean_over_pictures(evaluations: Sequence[Evaluation]) -> Evaluation:
-    """The evaluation of searches that each begin with one of several pictures, all equally likely."""
-    first = evaluations[0]
-    per_target = tuple(
-        _mean_result([evaluation.per_target[index] for evaluation in evaluations])
-        for index in range(len(first.per_target))
-    )
-    return replace(
-        first,
-        overall=_mean_result([evaluation.overall for evaluation in evaluations]),
-        per_target=per_target,
-    )
-
-
-def _mean_result(results: Sequence[SearchResult]) -> SearchResult:
-    success = np.array([result.success for result in results])
-
-    def over_successes(name: str) -> float:
-        values = np.array([getattr(result, name) for result in results])
-        return float((values * success)[success > 0].sum() / success.sum()) if success.any() else float("nan")
-
-    mean, shortest = over_successes("mean_steps"), over_successes("shortest_mean")
-    return replace(
-        results[0],
-        success=float(success.mean()),
-        mean_steps=mean,
-        median_steps=over_successes("median_steps"),
-        shortest_mean=shortest,
-        ratio=mean / shortest,
-        spl=float(np.mean([result.spl for result in results])),
-    )
+        tables = [policy_table(agent.policy, observations, seen.scene.name, k) for k in range(len(pictures))]
+        searches.append((task, tables))
+    return evaluate_tables(searches, settings)
 
 
 def _detection(agent: ActivePerceiver, asked: Asked) -> RecognitionMetrics:
@@ -174,15 +129,9 @@ def agent_sightings(agent: ActivePerceiver) -> list[Sightings]:
         UserError: if one has changed since, or holds out a picture that the agent was trained with.
     """
     sightings = []
-    for source in agent.config.training["scenes"]:
-        scene = open_scene(source)
-        if scene.name not in agent.config.branches:
-            raise UserError(f"the agent was trained in {list(agent.config.branches)}, but {source} is '{scene.name}'")
-        with progress_bar(f"features of {scene.name}") as report:
-            features = scene_features(scene, agent.backbone, report)
-        names = [target.name for target in agent.config.targets if target.scene == scene.name]
+    for scene, names in agent_scenes(agent):
         _check_split(agent, scene, names)
-        sightings.append(see_everywhere(scene, features, agent.recogniser, names))
+        sightings.append(see_everywhere(scene, features_of(scene, agent.backbone), agent.recogniser, names))
     return sightings
 
 
@@ -198,6 +147,24 @@ def _check_split(agent: ActivePerceiver, scene: Scene, names: Sequence[str]) -> 
             )
 
 
+def _measure_objects(agent: ActivePerceiver, settings: EvaluateSettings) -> dict[str, Any]:
+    sightings = agent_sightings(agent)
+    with console.status("measuring"):
+        return measure_agent(agent, sightings, settings)
+
+
+def _measure_views(agent: ActivePerceiver, settings: EvaluateSettings) -> dict[str, Any]:
+    searches = agent_view_searches(agent)
+    with console.status("measuring"):
+        return measure_view_agent(agent, searches, settings)
+
+
+_MEASURES: dict[SearchKind, Callable[[ActivePerceiver, EvaluateSettings], dict[str, Any]]] = {
+    "object": _measure_objects,
+    "view": _measure_views,
+}
+
+
 def evaluate_command(folder: Path, settings: EvaluateSettings, out: Path | None, *, force: bool = False) -> None:
     """Measure an agent, print a table, and write the result if a file is given.
 
@@ -207,9 +174,7 @@ def evaluate_command(folder: Path, settings: EvaluateSettings, out: Path | None,
     if out is not None and out.exists() and not force:
         raise OutputExistsError(f"{out} exists; give another --out, or --force to replace it")
     agent = ActivePerceiver.from_pretrained(folder)
-    sightings = agent_sightings(agent)
-    with console.status("measuring"):
-        body = measure_agent(agent, sightings, settings)
+    body = _MEASURES[agent.config.task](agent, settings)
     print(format_measures(body))
     if out is not None:
         write_result(out, "evaluate", body)
@@ -230,8 +195,7 @@ def format_measures(body: dict[str, Any]) -> str:
             f" {shown(result['shortest_mean'], '.2f'):>9} {shown(result['ratio']):>7} {shown(result['spl']):>6}"
             f" {shown(word['true_found'], '.2f'):>12} {shown(word['false_found'], '.2f'):>13}"
         )
-    detection = body["detection"]["pictures_seen"]
-    lines.append(
-        f"detection in places not trained in: AUROC {shown(detection['auroc'])}, AP50 {shown(detection['ap50'])}"
-    )
+    if "detection" in body:  # an agent that searches for views has none
+        auroc, ap50 = (shown(body["detection"]["pictures_seen"][name]) for name in ("auroc", "ap50"))
+        lines.append(f"detection in places not trained in: AUROC {auroc}, AP50 {ap50}")
     return "\n".join(lines)

@@ -2,12 +2,42 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from active_perceiver.agent_config import AgentConfig
+from active_perceiver.agent_config import AgentConfig, SearchKind
 from active_perceiver.experiments.result import shown
 from active_perceiver.files import replacing
+
+
+@dataclass(frozen=True)
+class _Words:
+    """What a card says differently of agents that search for different things."""
+
+    tags: str
+    searched: str
+    arrived: str
+    picture: str
+    right: str
+
+
+_WORDS: dict[SearchKind, _Words] = {
+    "object": _Words(
+        "active-perception, object-search, visual-navigation",
+        "an object",
+        "in front of the object",
+        "mug.jpg",
+        "if its box is on the object (IoU at least 0.5)",
+    ),
+    "view": _Words(
+        "active-perception, visual-navigation",
+        "one of the views it was trained for, which are in `targets`",
+        "where that picture was taken",
+        "view.png",
+        "at the very state whose view it was given",
+    ),
+}
 
 
 def write_card(folder: Path, config: AgentConfig, body: dict[str, Any]) -> None:
@@ -25,33 +55,30 @@ def write_card(folder: Path, config: AgentConfig, body: dict[str, Any]) -> None:
 def card_text(config: AgentConfig, body: dict[str, Any]) -> str:
     """The card as Markdown."""
     scenes = ", ".join(config.branches)
-    words = body["own_word"]["pictures_seen"]
+    words = _WORDS[config.task]
+    own = body["own_word"]["pictures_seen"]
     rows = [
         [result["scene"], result["target"], shown(result["success"]), shown(result["mean_steps"], ".2f"),
          shown(result["ratio"]), shown(word["true_found"], ".2f"), shown(word["false_found"], ".2f")]
-        for result, word in zip(body["per_target"], words["per_target"], strict=True)
+        for result, word in zip(body["per_target"], own["per_target"], strict=True)
     ]  # fmt: skip
-    recogniser = [
-        [pictures, *(shown(metrics[name]) for name in ("auroc", "ap50", "mean_iou"))]
-        for pictures, metrics in body["recogniser"]["metrics"].items()
-    ]
     return f"""---
 library_name: active-perceiver
 pipeline_tag: robotics
-tags: [active-perception, object-search, visual-navigation]
+tags: [{words.tags}]
 license: apache-2.0
 ---
 
 # An agent that searches {scenes}
 
-Give it a picture of an object; it looks at one camera image after the other, says what to do next, and says by itself
-when it is in front of the object. It was trained in {scenes} and knows these rooms only.
+Give it a picture of {words.searched}; it looks at one camera image after the other, says what to do next, and says by
+itself when it is {words.arrived}. It was trained in {scenes} and knows these rooms only.
 
 ```python
 from active_perceiver.perceiver import ActivePerceiver
 
 agent = ActivePerceiver.from_pretrained("this/folder")
-agent.reset("mug.jpg", scene="{next(iter(config.branches))}")
+agent.reset("{words.picture}", scene="{next(iter(config.branches))}")
 step = agent.act(image)  # (H, W, 3) uint8 RGB -> action, detection, probabilities, found
 ```
 
@@ -61,19 +88,30 @@ Backbone: {config.backbone} at {config.image_size} pixels. Recogniser: {config.r
 ## Searches
 
 Success, steps and their ratio to the shortest paths are exact, over all starts; "found" is the agent's own word, true
-if its box is on the object (IoU at least 0.5), in {words["per_target"][0]["searches"]} searches from random starts.
+{words.right}, in {own["per_target"][0]["searches"]} searches from random starts.
 
 | scene | target | success | steps | ratio | found, true | found, false |
 |---|---|---|---|---|---|---|
 {_lines(rows)}
+{_recogniser_section(body)}
+`result.json` has all figures, the settings and the machine.
+"""
 
+
+def _recogniser_section(body: dict[str, Any]) -> str:
+    """How well it recognises objects; nothing if it does not."""
+    if "recogniser" not in body:
+        return ""
+    rows = [
+        [pictures, *(shown(metrics[name]) for name in ("auroc", "ap50", "mean_iou"))]
+        for pictures, metrics in body["recogniser"]["metrics"].items()
+    ]
+    return f"""
 ## Recogniser, in places it was not trained in
 
 | | AUROC | AP50 | mean IoU |
 |---|---|---|---|
-{_lines(recogniser)}
-
-`result.json` has all figures, the settings and the machine.
+{_lines(rows)}
 """
 
 

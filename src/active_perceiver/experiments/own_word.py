@@ -33,8 +33,9 @@ class OwnWord:
         scene: where.
         target: what was looked for.
         searches: how many.
-        true_found: share that ended with "found" and the drawn box on the object (IoU at least 0.5).
-        false_found: share that ended with "found" and the box elsewhere.
+        true_found: share that ended with "found" where that is right: the drawn box on the object (IoU at least
+            0.5), or at the very state whose view was looked for.
+        false_found: share that ended with "found" elsewhere.
         not_found: share that reached the limit.
         at_goal: share that ended with "found" in one of the target's goal states.
         mean_steps: actions of the searches with a true "found"; NaN if there is none.
@@ -98,6 +99,38 @@ def search_by_own_word(
     searches: int,
     rng: np.random.Generator,
 ) -> OwnWord:
+    """Searches for an object, see `search_until_found`; "found" is true where the drawn box is on it.
+
+    Args:
+        scene: its name, for the result.
+        target: its name, for the result.
+        tables: (S, K, A) action probabilities in each state for each picture.
+        found: (S, K) where the agent says found.
+        detected: (S, K, 4) its boxes.
+        true_boxes: (S, 4) ground truth, NaN where not visible.
+        transitions: (S, A).
+        steps: (S,) fewest actions to a goal; searches start where this is positive.
+        alike: (S, S) which views the agent takes for the same, see `alike_views`.
+        searches: how many.
+        rng: draws starts, pictures and actions.
+    """
+    overlap = np.nan_to_num(box_iou(detected, true_boxes[:, None]), nan=0.0)
+    right = overlap >= TRUE_IOU
+    return search_until_found(scene, target, tables, found, right, transitions, steps, alike, searches, rng)
+
+
+def search_until_found(
+    scene: str,
+    target: str,
+    tables: NDArray[np.floating],
+    found: NDArray[np.bool_],
+    right: NDArray[np.bool_],
+    transitions: NDArray[np.integer],
+    steps: NDArray[np.integer],
+    alike: NDArray[np.bool_],
+    searches: int,
+    rng: np.random.Generator,
+) -> OwnWord:
     """Search from random starts, each with one of the target's pictures at random, until found or the limit.
 
     Everything the agent would see is a table, so this is what `ActivePerceiver.act` does, only faster.
@@ -107,8 +140,7 @@ def search_by_own_word(
         target: its name, for the result.
         tables: (S, K, A) action probabilities in each state for each picture.
         found: (S, K) where the agent says found.
-        detected: (S, K, 4) its boxes.
-        true_boxes: (S, 4) ground truth, NaN where not visible.
+        right: (S, K) where that is true.
         transitions: (S, A).
         steps: (S,) fewest actions to a goal; searches start where this is positive.
         alike: (S, S) which views the agent takes for the same, see `alike_views`.
@@ -131,17 +163,16 @@ def search_by_own_word(
         taken[under_way] += 1
         under_way = ~found[states, pictures]
     ended = ~under_way
-    overlap = np.nan_to_num(box_iou(detected[states, pictures], true_boxes[states]), nan=0.0)
-    right = ended & (overlap >= TRUE_IOU)
+    true = ended & right[states, pictures]
     return OwnWord(
         scene=scene,
         target=target,
         searches=searches,
-        true_found=float(right.mean()),
-        false_found=float((ended & ~right).mean()),
+        true_found=float(true.mean()),
+        false_found=float((ended & ~true).mean()),
         not_found=float(under_way.mean()),
         at_goal=float((ended & (steps[states] == 0)).mean()),
-        mean_steps=float(taken[right].mean()) if right.any() else float("nan"),
+        mean_steps=float(taken[true].mean()) if true.any() else float("nan"),
         shortest_mean=float(shortest.mean()),
     )
 

@@ -34,7 +34,7 @@ def search_command(
     """Search, print each step, and write video, path, final view and the steps if a folder is given.
 
     Returns:
-        Whether the agent says that it found the object.
+        Whether the agent says that it found what it searched for.
 
     Raises:
         UserError: if the picture, the agent, the robot or the output folder are not what they should be.

@@ -146,8 +146,9 @@ class A3cConfig(LearnerConfig):
     """Actions after which an episode is cut off."""
     update_steps: int | None = None
     """Actions between two updates; None to update at the end of each episode, as the paper does."""
-    reward_scale: float = 1.0
-    """Rewards are multiplied by it; neither paper says in which unit an area is paid."""
+    area_unit: float = 100.0
+    """What the whole image is worth to a reward that pays areas ("record", "area"): 100 pays per cent. The paper does
+    not say in which unit it pays; the entropy weights suit this one."""
     entropy_weight: float = 0.01
     """Weight of the entropy: 0.1 is the paper's "high exploration", 0.01 its "low exploration"."""
     value_weight: float = 0.5
@@ -167,7 +168,7 @@ class A3cConfig(LearnerConfig):
         super().__post_init__()
         if self.update_steps is not None and self.update_steps < 1:
             raise SearchError(f"update_steps must be at least 1 or None, got {self.update_steps}")
-        for label in ("reward_scale", "gradient_norm", "epsilon"):
+        for label in ("area_unit", "gradient_norm", "epsilon"):
             if not getattr(self, label) > 0:
                 raise SearchError(f"{label} must be positive, got {getattr(self, label)}")
         if not 0 <= self.decay < 1:
@@ -176,6 +177,11 @@ class A3cConfig(LearnerConfig):
     def counts(self) -> tuple[str, ...]:
         """See `LearnerConfig.counts`."""
         return ("max_steps",)
+
+    @property
+    def reward_scale(self) -> float:
+        """What the reward is multiplied by."""
+        return self.area_unit if reward_named(self.reward).pays_area else 1.0
 
 
 def reward_of(config: LearnerConfig) -> Reward:

@@ -13,6 +13,7 @@ from active_perceiver.search.rewards import REWARDS, Reward, reward_named
 from active_perceiver.search.searches import Searches
 from active_perceiver.search.task import SearchError, SearchTask
 from active_perceiver.search.vector_env import SearchVectorEnv
+from active_perceiver.search.view_task import view_observations, view_task
 
 __all__ = [
     "REWARDS",
@@ -25,6 +26,8 @@ __all__ = [
     "Searches",
     "location_mask",
     "reward_named",
+    "view_observations",
+    "view_task",
 ]
 
 register(

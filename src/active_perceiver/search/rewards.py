@@ -30,12 +30,14 @@ class Reward:
         markov: whether it depends on the step alone. Exact advantages need that; a reward for new records
             depends on the past.
         meaning: one line for help texts.
+        pays_area: whether it is nothing but an area, a fraction of the image, so that its unit is arbitrary.
     """
 
     name: str
     function: RewardFunction
     markov: bool
     meaning: str
+    pays_area: bool = False
 
     def largest(self, task: SearchTask) -> float:
         """Largest absolute reward of a step in a task: a learner divides by it so that returns are of order 1."""
@@ -78,9 +80,9 @@ REWARDS: dict[str, Reward] = {
     for reward in (
         Reward("gain", gain_reward, False, "area gained over the record, 1 at a goal, less a step cost"),
         Reward("arrival", arrival_reward, True, "1 at a goal, less a step cost"),
-        Reward("record", record_reward, False, "the area when it is a record: equation 2 of the paper"),
+        Reward("record", record_reward, False, "the area when it is a record: equation 2 of the paper", True),
         Reward("goal", goal_reward, True, "10 at a goal, -0.01 elsewhere: reward 1 of the paper"),
-        Reward("area", area_reward, True, "the area at every step: reward 2 of the paper"),
+        Reward("area", area_reward, True, "the area at every step: reward 2 of the paper", True),
     )
 }
 

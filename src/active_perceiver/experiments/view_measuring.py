@@ -1,0 +1,88 @@
+"""How good an agent is that searches for views: the policy's figures, and those by its own word."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from active_perceiver.agent_config import picture_folder
+from active_perceiver.errors import UserError
+from active_perceiver.experiments import own_word
+from active_perceiver.experiments.agent_scenes import agent_scenes
+from active_perceiver.experiments.policy_figures import evaluate_tables
+from active_perceiver.experiments.settings import EvaluateSettings
+from active_perceiver.experiments.stages import features_of
+from active_perceiver.experiments.view_searches import ViewSearches
+from active_perceiver.perceiver import ActivePerceiver
+from active_perceiver.policies.policy import policy_table
+from active_perceiver.search.view_task import viewed_state
+
+
+def measure_view_agent(
+    agent: ActivePerceiver, searches: Sequence[ViewSearches], settings: EvaluateSettings
+) -> dict[str, Any]:
+    """Measure an agent in the scenes it was trained in.
+
+    By its own word a search is right if it ends at the very state whose view it was given; a view that only looks the
+    same is a false one.
+
+    Args:
+        agent: what to measure.
+        searches: one for each of its branches.
+        settings: how.
+
+    Returns:
+        The body of a result file: protocol, overall, per_target, own_word.
+    """
+    tables = [policy_table(agent.policy, one.observations, one.scene.name) for one in searches]
+    asked = [(one.task, [table]) for one, table in zip(searches, tables, strict=True)]
+    body = evaluate_tables(asked, settings).as_dict()
+    body["protocol"]["pictures"] = "the views themselves"
+    rng = np.random.default_rng(settings.seed)
+    results = []
+    for one, table in zip(searches, tables, strict=True):
+        task, alike = one.task, own_word.alike_views(one.view_features)
+        found = one.similarity >= agent.config.found_similarity
+        for index, name in enumerate(task.targets):
+            column = slice(index, index + 1)  # a view is the one picture of itself
+            results.append(
+                own_word.search_until_found(
+                    one.scene.name, name, table[:, column], found[:, column], task.goals[:, column],
+                    task.transitions, task.steps[:, index], alike, settings.searches, rng,
+                )
+            )  # fmt: skip
+    body["own_word"] = {
+        "protocol": {
+            "searches": settings.searches,
+            "limit": own_word.LIMIT,
+            "found_similarity": agent.config.found_similarity,
+        },
+        "pictures_seen": {
+            "overall": own_word.overall(results),
+            "per_target": [asdict(result) for result in results],
+        },
+    }
+    return body
+
+
+def agent_view_searches(agent: ActivePerceiver) -> list[ViewSearches]:
+    """What an agent was trained to search for in each of its scenes.
+
+    Raises:
+        SceneError: if one of them is no longer there.
+        UserError: if one has changed since.
+    """
+    searches = []
+    for scene, names in agent_scenes(agent):
+        states = tuple(viewed_state(name) for name in names)
+        for name, state in zip(names, states, strict=True):
+            kept = [path.read_bytes() for path in picture_folder(agent.folder, scene.name, name).glob("*")]
+            if state >= len(scene) or kept != [scene.views[state]]:
+                raise UserError(
+                    f"'{name}' is not the view of scene '{scene.name}' that the agent was trained for; train it again"
+                )
+        searches.append(ViewSearches(scene, states, features_of(scene, agent.backbone).view_features))
+    return searches
