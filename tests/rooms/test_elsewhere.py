@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,12 +11,11 @@ import pytest
 
 from active_perceiver.cli import main
 from active_perceiver.files import OutputExistsError
-from active_perceiver.rooms.capturing import elsewhere, kept_work, other_rooms
+from active_perceiver.rooms.capturing import elsewhere, other_rooms
 from active_perceiver.rooms.capturing.capture_settings import CaptureError
 from active_perceiver.rooms.capturing.elsewhere import render_elsewhere
 from active_perceiver.rooms.capturing.other_rooms import OtherRoom, shared_out
 from active_perceiver.rooms.capturing.vantage import LEAST_AREA, ROUGH_MARGIN, Eye, poses_towards, rough_mask
-from active_perceiver.rooms.engine import compiled
 from active_perceiver.rooms.engine.compiled import compile_room
 from active_perceiver.rooms.free_space import clearance
 from active_perceiver.rooms.layouts.placement import stream
@@ -41,20 +39,10 @@ def furnished(layout: str, seed: int, contents: Contents) -> Room:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def small_work() -> Iterator[None]:
-    """A room of a few triangles, little light, no processes: work is done where it can be watched."""
-
-    def run_here(work, shared, jobs, workers, progress):  # type: ignore[no-untyped-def]
-        for number, job in enumerate(jobs, 1):
-            work(shared, job)
-            progress(number, len(jobs))
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compiled, "MAX_TRIANGLES", 2000)
-        patch.setattr(elsewhere, "BAKE_RAYS", 4)
-        patch.setattr(other_rooms, "make_room", furnished)
-        patch.setattr(kept_work, "run_parallel", run_here)
-        yield
+def box_rooms(small_work: pytest.MonkeyPatch) -> None:
+    """Little light in rooms with a box."""
+    small_work.setattr(elsewhere, "BAKE_RAYS", 4)
+    small_work.setattr(other_rooms, "make_room", furnished)
 
 
 @pytest.fixture(scope="module")

@@ -31,7 +31,6 @@ STANDING: dict[str, tuple[Callable[[], Pieces], float | None, float | None]] = {
     "two-seater": (lambda: lounge.sofa(1.6, CLOTH, WOOD), 1.6, None),
     "three-seater": (lambda: lounge.sofa(2.2, CLOTH, WOOD), 2.2, None),
     "armchair": (lambda: lounge.armchair(CLOTH, WOOD), 0.86, None),
-    "ottoman": (lambda: lounge.ottoman(CLOTH, 0.6), 0.6, lounge.OTTOMAN_HEIGHT),
     "coffee table": (lambda: tables.coffee_table(1.1, 0.6, WOOD, WOOD), 1.1, 0.42),
     "round coffee table": (lambda: tables.coffee_table(0.8, 0.8, WOOD, WOOD, "round"), 0.8, 0.42),
     "coffee table with a shelf": (lambda: tables.coffee_table(1.1, 0.6, WOOD, WOOD, "shelf"), 1.1, 0.42),
@@ -39,9 +38,7 @@ STANDING: dict[str, tuple[Callable[[], Pieces], float | None, float | None]] = {
     "round table": (lambda: tables.round_table(0.55, WOOD, WOOD), 1.1, 0.75),
     "desk": (lambda: tables.desk(1.4, 0.7, WOOD, WOOD), 1.4, tables.DESK_HEIGHT),
     "conference table": (lambda: tables.conference_table(2.6, 1.2, WOOD, WOOD), 2.6, None),
-    "stool": (lambda: tables.stool(WOOD), None, tables.STOOL_HEIGHT),
     "bookcase": (lambda: storage.bookcase(0.9, 1.9, WOOD, 6), 0.9, 1.9),
-    "open bookcase": (lambda: storage.bookcase(0.8, 1.5, WOOD, 5, back=False), 0.8, 1.5),
     "books": (lambda: storage.row_of_books(0.8, 0.28, 0.22, rng(1)), 0.8, None),
     "leaning books": (lambda: storage.row_of_books(0.4, 0.28, 0.22, rng(7)), None, None),
     "tv stand": (lambda: storage.tv_stand(1.6, WOOD), 1.6, storage.TV_STAND_HEIGHT),
@@ -56,15 +53,12 @@ STANDING: dict[str, tuple[Callable[[], Pieces], float | None, float | None]] = {
     "radiator": (lambda: soft.radiator(1.2), None, 0.55),
     "floor lamp 1": (lambda: lamp(1), None, None),
     "floor lamp 2": (lambda: lamp(2), None, None),
-    "doormat": (soft.doormat, 0.75, None),
 }
 HANGING: dict[str, Callable[[], Pieces]] = {
-    "wall shelf": lambda: storage.wall_shelf(0.9, WOOD),
     "wall screen": lambda: media.wall_screen(1.4),
     "dark wall screen": lambda: media.wall_screen(1.4, None),
     "whiteboard": lambda: media.whiteboard(1.8, 1.1),
     "pinboard": lambda: media.pinboard(1.2, 0.9, rng()),
-    "projector": media.projector,
     "long curtains": lambda: soft.curtains(OPENING, CLOTH, WOOD),
     "short curtains": lambda: soft.curtains(OPENING, CLOTH, WOOD, "sill"),
     "blinds": lambda: soft.blinds(OPENING, "#e8e4da"),
@@ -120,8 +114,6 @@ def test_hanging_pieces_are_sound(name: str) -> None:
 
 
 def test_hanging_pieces_hang_where_they_say() -> None:
-    assert extent(HANGING["wall shelf"]())[1, 2] == pytest.approx(0.0, abs=1e-6)
-    assert -0.002 < extent(HANGING["projector"]())[1, 2] <= 0.0
     low, high = extent(HANGING["wall screen"]())
     np.testing.assert_allclose(low[[0, 2]], -high[[0, 2]], atol=1e-9)
     assert high[0] - low[0] == pytest.approx(1.4)
@@ -156,7 +148,6 @@ def test_sofas_have_their_seat_where_they_say(width: float) -> None:
     ("pieces", "place", "z"),
     [
         (lounge.armchair(CLOTH, WOOD), (0.0, -0.1), lounge.SEAT_HEIGHT),
-        (lounge.ottoman(CLOTH), (0.1, 0.1), lounge.OTTOMAN_HEIGHT),
         (tables.coffee_table(1.1, 0.6, WOOD, WOOD), (0.4, 0.2), tables.COFFEE_TABLE_HEIGHT),
         (tables.coffee_table(0.9, 0.9, WOOD, WOOD, "round"), (0.2, 0.2), tables.COFFEE_TABLE_HEIGHT),
         (tables.coffee_table(1.1, 0.6, WOOD, WOOD, "shelf"), (0.3, 0.1), tables.COFFEE_TABLE_SHELF),
@@ -164,11 +155,9 @@ def test_sofas_have_their_seat_where_they_say(width: float) -> None:
         (tables.round_table(0.5, WOOD, WOOD), (0.3, 0.1), 0.75),
         (tables.desk(1.4, 0.7, WOOD, WOOD), (0.5, -0.3), tables.DESK_HEIGHT),
         (tables.conference_table(2.6, 1.2, WOOD, WOOD), (0.9, 0.4), tables.CONFERENCE_TABLE_HEIGHT),
-        (tables.stool(WOOD), (0.05, 0.05), tables.STOOL_HEIGHT),
         (storage.tv_stand(1.6, WOOD), (0.5, -0.2), storage.TV_STAND_HEIGHT),
         (storage.chest_of_drawers(0.9, WOOD, WOOD, 4), (0.3, -0.2), storage.CHEST_HEIGHT),
         (storage.filing_cabinet(WOOD), (0.1, -0.2), storage.FILING_CABINET_HEIGHT),
-        (storage.wall_shelf(0.9, WOOD), (0.3, -0.1), 0.0),
         (office.office_chair(CLOTH), (0.05, 0.05), office.OFFICE_SEAT_HEIGHT),
         (office.meeting_chair(CLOTH, CHROME), (0.05, 0.05), office.MEETING_SEAT_HEIGHT),
     ],
@@ -243,7 +232,6 @@ def test_floor_lamps_say_where_their_bulb_is(seed: int) -> None:
     [
         (lambda: lounge.sofa(-1.0, CLOTH, WOOD), "a sofa's width in metres must be between 1.3 and 2.8, got -1"),
         (lambda: lounge.armchair(CLOTH, WOOD, width=5.0), "an armchair's width"),
-        (lambda: lounge.ottoman(CLOTH, 0.0), "an ottoman's size"),
         (lambda: tables.coffee_table(1.0, -0.5, WOOD, WOOD), "a coffee table's depth"),
         (lambda: tables.coffee_table(1.0, 0.5, WOOD, WOOD, "star"), "no coffee table of shape 'star'; choose"),
         (lambda: tables.conference_table(1.6, 1.7, WOOD, WOOD), "a conference table's depth"),
@@ -270,10 +258,6 @@ def test_sizes_no_one_would_build_are_refused(make: Callable[[], Pieces], messag
 TILEABLE: dict[str, Callable[[int], textures.Texture]] = {
     "carpet": lambda seed: textures.carpet("#8a8f94", seed),
     "carpet tiles": lambda seed: textures.carpet_tiles("#5d6670", seed, size=512),
-    "stripes": lambda seed: textures.wallpaper_stripes("#f0ece0", "#a9b8a0", seed=seed),
-    "sprigs": lambda seed: textures.wallpaper_sprigs("#f0ece0", "#a9b8a0", seed=seed),
-    "herringbone": lambda seed: textures.herringbone("#4a4f55", "#9aa0a5", seed=seed),
-    "medallions": lambda seed: textures.medallions("#d9cdb4", "#3f6f7a", seed=seed),
     "leather": lambda seed: textures.leather("#7a4528", seed),
     "cork": textures.cork,
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from active_perceiver.cli import main
 from active_perceiver.errors import UserError
 from active_perceiver.files import OutputExistsError
 from active_perceiver.rooms.capturing import capture as capture_module
-from active_perceiver.rooms.capturing import kept_work, rendering
+from active_perceiver.rooms.capturing import rendering
 from active_perceiver.rooms.capturing.camera_faults import CameraFaults
 from active_perceiver.rooms.capturing.capture_settings import CaptureError, CaptureSettings
 from active_perceiver.rooms.capturing.capture_store import CaptureStore
@@ -31,25 +30,15 @@ SMALL = CaptureSettings(
 
 
 @pytest.fixture(scope="module", autouse=True)
-def small_work() -> Iterator[None]:
-    """A room of a few triangles, one setup of target pictures, no processes: work is done where it can be watched."""
-
-    def run_here(work, shared, jobs, workers, progress):  # type: ignore[no-untyped-def]
-        for number, job in enumerate(jobs, 1):
-            work(shared, job)
-            progress(number, len(jobs))
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compiled, "MAX_TRIANGLES", 2000)
-        patch.setattr(capture_module, "SETUPS", 1)
-        patch.setattr(capture_module, "HELD_OUT", 1)
-        patch.setattr(kept_work, "run_parallel", run_here)
-        patch.setattr(rendering, "make_room", lambda layout, seed: replace(box_room(), name=f"{layout}_{seed}"))
-        yield
+def box_rooms(small_work: pytest.MonkeyPatch) -> None:
+    """One setup of target pictures in rooms with a box."""
+    small_work.setattr(capture_module, "SETUPS", 1)
+    small_work.setattr(capture_module, "HELD_OUT", 1)
+    small_work.setattr(rendering, "make_room", lambda layout, seed: replace(box_room(), name=f"{layout}_{seed}"))
 
 
 @pytest.fixture(scope="module")
-def whole(small_work: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(box_rooms: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A scene rendered without interruption."""
     path = tmp_path_factory.mktemp("whole") / "box.h5"
     render_scene("kitchen", 5, path, settings=SMALL)

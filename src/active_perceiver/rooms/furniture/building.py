@@ -40,24 +40,17 @@ def round_top(radius: float, thickness: float, bevel: float = 0.006, segments: i
     return with_uvs(plate, np.where(flat, 1.1 * plate.vertices[:, :2], plate.uvs * [4.0, 0.05]))
 
 
-def legs(
-    corners: Iterable[tuple[float, float]], bottom: float, top: float, thin: float, thick: float, splay: float = 0.0
-) -> Mesh:
-    """Round legs, thinner at their feet.
+def legs(corners: Iterable[tuple[float, float]], bottom: float, top: float, thin: float, thick: float) -> Mesh:
+    """Round upright legs, thinner at their feet.
 
     Args:
-        corners: (x, y) of their upper ends, metres.
+        corners: (x, y) of each, metres.
         bottom: z of their feet.
         top: z of their upper ends.
         thin: radius at the feet.
         thick: radius at the upper ends.
-        splay: how far the feet stand further out, along x and y alike.
     """
-    made = []
-    for x, y in corners:
-        foot = [x + splay * float(np.sign(x)), y + splay * float(np.sign(y)), bottom]
-        made.append(tube([foot, [x, y, top]], [thin, thick], 12))
-    return merge(made)
+    return merge(tube([[x, y, bottom], [x, y, top]], [thin, thick], 12) for x, y in corners)
 
 
 def four(x: float, y: float) -> list[tuple[float, float]]:

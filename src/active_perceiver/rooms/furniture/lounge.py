@@ -1,6 +1,6 @@
-"""Upholstered seats: sofa, armchair, ottoman. Fronts towards -y, standing on z = 0; metres.
+"""Upholstered seats: sofa and armchair. Fronts towards -y, standing on z = 0; metres.
 
-A sofa stands on a wall: its back is at y = 0. Armchair and ottoman are centred at the origin.
+A sofa stands on a wall: its back is at y = 0. An armchair is centred at the origin.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from active_perceiver.rooms.shapes.geometry import Mesh, merge, transform
 from active_perceiver.rooms.shapes.pieces import Pieces, placed
 
 SEAT_HEIGHT = 0.44
-OTTOMAN_HEIGHT = 0.42
 ARM_WIDTH = 0.19
 ARM_HEIGHT = 0.60
 SOFA_DEPTH = 0.92
@@ -85,7 +84,7 @@ def sofa(width: float, fabric: Material, feet: Material, depth: float = SOFA_DEP
 
 
 def armchair(fabric: Material, feet: Material, width: float = 0.86, depth: float = 0.85) -> Pieces:
-    """An armchair on slender splayed legs, centred at the origin, facing -y.
+    """An armchair on slender legs, centred at the origin, facing -y.
 
     Args:
         fabric: of the upholstery.
@@ -101,16 +100,3 @@ def armchair(fabric: Material, feet: Material, width: float = 0.86, depth: float
     parts = merge(_upholstery(width, depth, 1, ARMCHAIR_ARM_WIDTH, 0.84))
     pieces = placed([(parts, fabric)], (0.0, depth / 2, 0.0))
     return [*pieces, (legs(four(width / 2 - 0.09, depth / 2 - 0.09), 0.0, _LEG + 0.004, 0.012, 0.021), feet)]
-
-
-def ottoman(fabric: Material, size: float = 0.6, feet: Material | None = None) -> Pieces:
-    """A square padded footstool on four legs, centred at the origin, its top at `OTTOMAN_HEIGHT`.
-
-    Raises:
-        ValueError: if its size (metres) is out of range.
-    """
-    check_range("an ottoman's size in metres", size, 0.35, 1.0)
-    body = at(padded((size - 0.02, size - 0.02, 0.15), 0.03), 0.0, 0.0, 0.195)
-    cushion = at(padded((size, size, 0.145), 0.05, 0.8, 3), 0.0, 0.0, OTTOMAN_HEIGHT - 0.0725)
-    stand = legs(four(size / 2 - 0.06, size / 2 - 0.06), 0.0, 0.124, 0.014, 0.02)
-    return [(merge([body, cushion]), fabric), (stand, feet or fabric)]

@@ -1,4 +1,4 @@
-"""Screens and boards: television, wall screen, whiteboard, pinboard, projector. Fronts towards -y; metres."""
+"""Screens and boards: television, wall screen, whiteboard, pinboard. Fronts towards -y; metres."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import numpy as np
 
 from active_perceiver.rooms.furniture.building import at, check_range
 from active_perceiver.rooms.looks import board_prints, textures
-from active_perceiver.rooms.looks.materials import Material, from_hex
-from active_perceiver.rooms.looks.surfaces import BLACK_GLASS, BLACK_PLASTIC, glazed, plastic, printed, steel
+from active_perceiver.rooms.looks.materials import Material
+from active_perceiver.rooms.looks.surfaces import BLACK_GLASS, BLACK_PLASTIC, glazed, plastic, printed
 from active_perceiver.rooms.shapes.boxes import rounded_box
-from active_perceiver.rooms.shapes.curves import cylinder, disc, lathe, smooth_profile, sphere
+from active_perceiver.rooms.shapes.curves import cylinder, sphere
 from active_perceiver.rooms.shapes.geometry import Mesh, merge, quad, transform
 from active_perceiver.rooms.shapes.pieces import Pieces
 
@@ -117,14 +117,13 @@ def _frame(width: float, height: float, bar: float, thickness: float) -> list[Me
     return bars
 
 
-def pinboard(width: float, height: float, rng: np.random.Generator, frame: Material | None = None) -> Pieces:
+def pinboard(width: float, height: float, rng: np.random.Generator) -> Pieces:
     """A cork board with pinned sheets of paper, its middle at the origin.
 
     Args:
         width: metres.
         height: metres.
         rng: which sheets hang where.
-        frame: of the bars around it; plain aluminium if None.
 
     Raises:
         ValueError: if a size is out of range.
@@ -135,7 +134,7 @@ def pinboard(width: float, height: float, rng: np.random.Generator, frame: Mater
     cork = quad((-x, -0.012, -z), (2 * x, 0, 0), (0, 0, 2 * z), 2.0)
     pieces: Pieces = [
         (cork, Material((1.0, 1.0, 1.0), textures.cork(), roughness=0.95, specular=0.1)),
-        (merge(_frame(width, height, 0.024, 0.02)), frame or _ALUMINIUM),
+        (merge(_frame(width, height, 0.024, 0.02)), _ALUMINIUM),
     ]
     # One sheet in most cells of a grid: they never overlap.
     columns, rows = max(1, int(2 * x / 0.26)), max(1, int(2 * z / 0.32))
@@ -160,21 +159,3 @@ def pinboard(width: float, height: float, rng: np.random.Generator, frame: Mater
     if pins:
         pieces.append((merge(pins), glazed(("#c8352c", "#2f62b5", "#e0b02f")[int(rng.integers(3))])))
     return pieces
-
-
-def projector() -> Pieces:
-    """A video projector under the ceiling (z = 0), its lens towards -y."""
-    plate = at(cylinder(0.06, 0.012, 32), z=-0.0125)
-    pole = at(cylinder(0.018, 0.17, 18, 0.0), z=-0.182)
-    body = at(rounded_box((0.34, 0.27, 0.10), 0.022, 3), z=-0.232)
-    ring = [(0.042, 0.0), (0.042, 0.022), (0.034, 0.024), (0.031, 0.014), (0.0, 0.012)]
-    forward = (90.0, 0.0, 0.0)
-    lens = transform(lathe(smooth_profile(ring, 1), 32), (0.09, -0.134, -0.232), forward)
-    glass = transform(disc(0.029, 0.0, 24), (0.09, -0.1505, -0.232), forward)
-    slots = [at(rounded_box((0.13, 0.004, 0.006), 0.001), -0.07, -0.135, -0.252 + 0.014 * row) for row in range(4)]
-    return [
-        (body, plastic("#eceae6", 0.3)),
-        (merge([plate, pole]), steel()),
-        (merge([lens, *slots]), BLACK_PLASTIC),
-        (glass, Material(from_hex("#20283c"), roughness=0.05, coat=0.9)),
-    ]

@@ -45,12 +45,11 @@ def _backrest(width: float, height: float, thickness: float, bow: float, lean: f
     return transform(sheet, rotate=(lean, 0.0, 0.0))
 
 
-def office_chair(fabric: Material, arms: bool = True) -> Pieces:
-    """A swivel chair on five castors facing +y, its seat at `OFFICE_SEAT_HEIGHT`.
+def office_chair(fabric: Material) -> Pieces:
+    """A swivel chair with armrests on five castors facing +y, its seat at `OFFICE_SEAT_HEIGHT`.
 
     Args:
         fabric: of seat and back.
-        arms: whether it has armrests.
     """
     spokes: list[Mesh] = []
     wheels: list[Mesh] = []
@@ -72,12 +71,11 @@ def office_chair(fabric: Material, arms: bool = True) -> Pieces:
         [0.022, 0.022, 0.016], 12,
     )  # fmt: skip
     black = [*spokes, *wheels, plate, shell, spine]
-    if arms:
-        for side in (-1, 1):
-            post = [[side * 0.15, 0.0, 0.40], [side * 0.285, 0.0, 0.40], [side * 0.285, -0.02, 0.655]]
-            black.append(tube(smooth_profile(post, 2), 0.013, 10))
-            pad = padded((0.075, 0.25, 0.03), 0.025, 0.5)
-            black.append(at(pad, side * 0.285, 0.02, 0.668))
+    for side in (-1, 1):
+        post = [[side * 0.15, 0.0, 0.40], [side * 0.285, 0.0, 0.40], [side * 0.285, -0.02, 0.655]]
+        black.append(tube(smooth_profile(post, 2), 0.013, 10))
+        pad = padded((0.075, 0.25, 0.03), 0.025, 0.5)
+        black.append(at(pad, side * 0.285, 0.02, 0.668))
     return standing([(merge([seat, back]), fabric), (merge(black), BLACK_PLASTIC), (merge(lift), CHROME)])
 
 

@@ -1,4 +1,4 @@
-"""What hangs at windows and stands in corners: curtains, blinds, radiator, floor lamp, doormat.
+"""What hangs at windows and stands in corners: curtains, blinds, radiator, floor lamp.
 
 Things at a wall have their back at y = 0 and face -y; metres.
 """
@@ -13,7 +13,7 @@ from active_perceiver.rooms.furniture.building import CLOTH_REPEATS, at, check_r
 from active_perceiver.rooms.furniture.fixtures import WALL_THICKNESS, Opening
 from active_perceiver.rooms.looks.materials import Colour, Material, from_hex
 from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, BRASS, WHITE_PAINT, cloth, plastic, wood
-from active_perceiver.rooms.shapes.boxes import rounded_box, slab
+from active_perceiver.rooms.shapes.boxes import rounded_box
 from active_perceiver.rooms.shapes.curves import cylinder, lathe, smooth_profile, sphere, tube
 from active_perceiver.rooms.shapes.geometry import Mesh, Vector, grid_faces, merge, quad, smooth_normals, transform
 from active_perceiver.rooms.shapes.pieces import Pieces
@@ -220,18 +220,3 @@ def floor_lamp(rng: np.random.Generator, glow: Colour) -> tuple[Pieces, Pieces, 
     if timber:
         fixed.append((merge(timber), wood("#8a5f3a", "#bb8d5c", 3)))
     return fixed, [(bulb, Material(glow, emission=1.0))], centre, radius
-
-
-def doormat(width: float = 0.75, depth: float = 0.45, colour: str = "#6d5a45") -> Pieces:
-    """A thick coir mat, centred at the origin.
-
-    Raises:
-        ValueError: if a size (metres) is out of range.
-    """
-    check_range("a doormat's width in metres", width, 0.4, 1.2)
-    check_range("a doormat's depth in metres", depth, 0.25, 0.9)
-    rim = slab((-width / 2, width / 2), (-depth / 2, depth / 2), [[True]], 0.0, 0.008, 3.0)
-    pile = slab(
-        (-width / 2 + 0.02, width / 2 - 0.02), (-depth / 2 + 0.02, depth / 2 - 0.02), [[True]], 0.004, 0.013, 6.0
-    )
-    return [(rim, BLACK_PLASTIC), (pile, cloth(colour))]

@@ -1,4 +1,4 @@
-"""Bookcases and their books, chests, stands, cabinets, wall shelves.
+"""Bookcases and their books, chests, stands, cabinets.
 
 Whatever stands or hangs on a wall has its back at y = 0, its front towards -y, and is centred in x; metres.
 """
@@ -58,10 +58,8 @@ def inner_width(width: float) -> float:
     return width - 2 * BOARD_THICKNESS - 0.002
 
 
-def bookcase(
-    width: float, height: float, material: Material, boards: int, depth: float = 0.30, back: bool = True
-) -> Pieces:
-    """An open bookcase; `board_heights` says where its boards are.
+def bookcase(width: float, height: float, material: Material, boards: int, depth: float = 0.30) -> Pieces:
+    """An open bookcase with a back panel; `board_heights` says where its boards are.
 
     Args:
         width: metres.
@@ -69,7 +67,6 @@ def bookcase(
         material: of all of it.
         boards: bottom and top included.
         depth: metres.
-        back: whether it has a back panel.
 
     Raises:
         ValueError: if a size is out of range or there are too many boards.
@@ -86,11 +83,11 @@ def bookcase(
     levels = [box((-x, -depth + 0.004, z - BOARD_THICKNESS), (x, -BOOKCASE_BACK, z), 1.2) for z in tops[:-1]]
     top = box((-width / 2, -depth, height - BOARD_THICKNESS), (width / 2, -0.001, height), 1.2)
     plinth = box((-x, -depth + 0.03, 0.0), (x, -depth + 0.045, _PLINTH - 0.0005), 1.2)
-    pieces: Pieces = [(merge([*map(upright_grain, sides), *levels, top, plinth]), material)]
-    if back:
-        panel = box((-x, -BOOKCASE_BACK + 0.0005, _PLINTH), (x, -0.0015, side_top), 1.2)
-        pieces.append((without_sides(upright_grain(panel), "+y"), material))
-    return pieces
+    panel = box((-x, -BOOKCASE_BACK + 0.0005, _PLINTH), (x, -0.0015, side_top), 1.2)
+    return [
+        (merge([*map(upright_grain, sides), *levels, top, plinth]), material),
+        (without_sides(upright_grain(panel), "+y"), material),
+    ]
 
 
 def _book(width: float, height: float, depth: float, cell: int) -> tuple[Mesh, Mesh]:
@@ -262,14 +259,3 @@ def filing_cabinet(
         (merge(handles), CHROME),
         (merge(labels), PAPER),
     ]
-
-
-def wall_shelf(width: float, material: Material, depth: float = 0.22) -> Pieces:
-    """A thick board that seems to float on the wall; its upper side is z = 0.
-
-    Raises:
-        ValueError: if a size (metres) is out of range.
-    """
-    check_range("a wall shelf's width in metres", width, 0.2, 2.4)
-    check_range("a wall shelf's depth in metres", depth, 0.1, 0.4)
-    return [(at(rounded_box((width, depth, 0.038), 0.003, 1, 1.2), 0.0, -depth / 2, -0.019), material)]

@@ -1,4 +1,4 @@
-"""Tables, desk and stool. Centred at the origin on z = 0, except the desk: its back is at y = 0; metres."""
+"""Tables and desk. Centred at the origin on z = 0, except the desk: its back is at y = 0; metres."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from active_perceiver.rooms.furniture.building import at, check_range, four, legs, round_top, upright_grain
+from active_perceiver.rooms.furniture.building import at, check_range, four, round_top, upright_grain
 from active_perceiver.rooms.furniture.seating import TABLE_HEIGHT
 from active_perceiver.rooms.looks.materials import Material
 from active_perceiver.rooms.looks.surfaces import BLACK_PLASTIC, CHROME
@@ -24,7 +24,6 @@ DESK_PEDESTAL = 0.40
 CONFERENCE_TABLE_HEIGHT = 0.74
 # Width, depth and height above the top of the cable cover in a conference table's middle: nothing should stand there.
 CABLE_COVER = (0.46, 0.15, 0.004)
-STOOL_HEIGHT = 0.45
 
 CoffeeTableShape = Literal["rectangle", "round", "shelf"]
 
@@ -223,16 +222,3 @@ def conference_table(width: float, depth: float, top: Material, frame: Material)
     )
     slit = at(rounded_box((cover_width - 0.10, 0.012, 0.002), 0.0005), z=CONFERENCE_TABLE_HEIGHT + cover_height)
     return [(plate, top), (merge(parts), frame), (cover, CHROME), (slit, BLACK_PLASTIC)]
-
-
-def stool(material: Material) -> Pieces:
-    """A round wooden stool, its seat at `STOOL_HEIGHT`."""
-    seat = at(round_top(0.165, 0.032, 0.008, 40), z=STOOL_HEIGHT)
-    under = STOOL_HEIGHT - 0.0325
-    feet = legs(four(0.085, 0.085), 0.004, under, 0.012, 0.017, 0.045)
-    rungs = [
-        tube([[sx * 0.118, sy * 0.118, 0.15], [tx * 0.118, ty * 0.118, 0.15]], 0.008, 8)
-        for sx, sy, tx, ty in ((-1, -1, 1, -1), (1, -1, 1, 1), (1, 1, -1, 1), (-1, 1, -1, -1))
-    ]
-    lowest = float(feet.vertices[:, 2].min())
-    return [(merge([seat, at(feet, z=-lowest), *rungs]), material)]

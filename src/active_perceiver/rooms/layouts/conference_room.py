@@ -15,32 +15,21 @@ from active_perceiver.rooms.layouts.cases import (
 )
 from active_perceiver.rooms.layouts.common import (
     bare_room,
-    check_targets,
     dress_window,
     hang_pictures,
     make_window,
     sill_ledge,
     wall_ledge,
-    within_reach,
 )
 from active_perceiver.rooms.layouts.daylight import COLD, NEUTRAL, WARM, hour_of_day
-from active_perceiver.rooms.layouts.placement import Ledge, NoRoomError, RoomBuilder, stream
-from active_perceiver.rooms.layouts.shell import ceiling_panel, daylight_lamps, hang_door, raise_walls, skirt
+from active_perceiver.rooms.layouts.placement import Ledge, RoomBuilder, stream
+from active_perceiver.rooms.layouts.shell import ceiling_panel, daylight_lamps, hang_door, raise_walls
 from active_perceiver.rooms.layouts.things import Contents, lay_things
 from active_perceiver.rooms.layouts.walls import WALL_GAP, Plan, Wall
 from active_perceiver.rooms.looks import textures
 from active_perceiver.rooms.looks.materials import Material, from_hex
 from active_perceiver.rooms.looks.surfaces import CHROME, plastic
-from active_perceiver.rooms.looks.themes import (
-    Theme,
-    WoodTones,
-    finish_of,
-    floor_of,
-    paint_of,
-    pick_one,
-    theme_of,
-    upholstery_of,
-)
+from active_perceiver.rooms.looks.themes import Theme, floor_of, pick_one, theme_of, upholstery_of
 from active_perceiver.rooms.room import Room
 from active_perceiver.rooms.shapes.pieces import placed
 
@@ -53,6 +42,7 @@ CONTENTS = Contents(
     ),
 )  # fmt: skip
 CARPETS = ("#6f7780", "#8a857c", "#4f5d6a", "#7a6f66", "#5f6f63", "#9a948a")
+DOOR_PAINTS = ("#d8d4ca", "#e3ddd0")
 CHAIR_SPACING = 0.78
 
 
@@ -76,10 +66,7 @@ def furnish_conference_room(seed: int, attempt: int, contents: Contents = CONTEN
     windows = [make_window(plan, wall, rng, (0.78, 0.98), height) for wall in order[: 1 if rng.random() < 0.5 else 2]]
     light = hour_of_day([window.wall for window in windows], rng)
     ledges = _table(builder, plan, theme, rng)
-    looks: tuple[str | WoodTones, ...] = ("#d8d4ca", "#e3ddd0", theme.wood)
-    leaf = finish_of(pick_one(rng, looks), theme.seed)
-    if not hang_door(builder, plan, [*order[2:], *order[:2]], leaf, rng):
-        raise NoRoomError("no room for a door")
+    hang_door(builder, plan, [*order[2:], *order[:2]], theme, rng, DOOR_PAINTS)
     _boards(builder, plan, order, rng)
     ledges += stand_chest(builder, plan, order, theme, "credenza", rng)
     ledges += stand_chest(builder, plan, order, theme, "sideboard", rng) if rng.random() < 0.5 else []
@@ -98,13 +85,8 @@ def furnish_conference_room(seed: int, attempt: int, contents: Contents = CONTEN
         dress_window(builder, window, theme, rng, floor=False)
     hang_pictures(builder, plan, theme.timber, rng, 2, walls)
 
-    paints = {name: paint_of(theme.walls) for name in plan.walls}
-    if theme.feature:
-        paints[order[2].name] = paint_of(theme.feature)
-    raise_walls(builder, plan, height, windows, paints, _floor(theme, rng))
-    skirt(builder, plan)
-    targets = lay_things(builder, within_reach(builder, plan, ledges), contents, seed)
-    check_targets(builder, plan, targets)
+    raise_walls(builder, plan, height, windows, theme, order[2], _floor(theme, rng))
+    targets = lay_things(builder, plan, ledges, contents, seed)
 
     lamps = daylight_lamps(builder, windows, light, seed)
     colour = pick_one(rng, (COLD, NEUTRAL, WARM))

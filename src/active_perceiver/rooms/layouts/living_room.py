@@ -15,32 +15,21 @@ from active_perceiver.rooms.layouts.cases import (
 )
 from active_perceiver.rooms.layouts.common import (
     bare_room,
-    check_targets,
     dress_window,
     hang_pictures,
     make_window,
     sill_ledge,
     wall_ledge,
-    within_reach,
 )
 from active_perceiver.rooms.layouts.daylight import NEUTRAL, WARM, Daylight, hour_of_day, scaled
 from active_perceiver.rooms.layouts.dining import RUG_TOP
-from active_perceiver.rooms.layouts.placement import Ledge, NoRoomError, RoomBuilder, stream
-from active_perceiver.rooms.layouts.shell import ceiling_panel, daylight_lamps, hang_door, pendant, raise_walls, skirt
+from active_perceiver.rooms.layouts.placement import Ledge, RoomBuilder, stream
+from active_perceiver.rooms.layouts.shell import ceiling_panel, daylight_lamps, hang_door, pendant, raise_walls
 from active_perceiver.rooms.layouts.things import Contents, lay_things
 from active_perceiver.rooms.layouts.walls import WALL_GAP, Plan, Wall
 from active_perceiver.rooms.looks.materials import Material
 from active_perceiver.rooms.looks.surfaces import glazed
-from active_perceiver.rooms.looks.themes import (
-    Theme,
-    WoodTones,
-    finish_of,
-    floor_of,
-    paint_of,
-    pick_one,
-    theme_of,
-    upholstery_of,
-)
+from active_perceiver.rooms.looks.themes import Theme, floor_of, pick_one, theme_of, upholstery_of
 from active_perceiver.rooms.room import Lamp, Room
 
 CONTENTS = Contents(
@@ -83,11 +72,8 @@ def furnish_living_room(seed: int, attempt: int, contents: Contents = CONTENTS) 
     windows = [make_window(plan, wall, rng, (0.72, 0.95), height) for wall in glazed_walls]
     light = hour_of_day(glazed_walls, rng)
     ledges, lamps, middle = _seats(builder, plan, watched, behind, theme, light, rng)
-    looks: tuple[str | WoodTones, ...] = ("#f1eee6", "#e3ddd0", theme.wood)
-    leaf = finish_of(pick_one(rng, looks), theme.seed)
-    if not hang_door(builder, plan, [*sides, watched, behind], leaf, rng):
-        raise NoRoomError("no room for a door")
     others = [*sides, watched, behind]
+    hang_door(builder, plan, others, theme, rng)
     for number in range(1, 3 if rng.random() < 0.6 else 2):
         ledges += stand_bookcase(builder, plan, others, theme.casing, f"bookcase_{number}", rng)
     ledges += stand_chest(builder, plan, others, theme, "chest", rng)
@@ -101,13 +87,9 @@ def furnish_living_room(seed: int, attempt: int, contents: Contents = CONTENTS) 
         dress_window(builder, window, theme, rng, floor=False)
     hang_pictures(builder, plan, theme.timber, rng, 4, others)
 
-    paints = {name: paint_of(theme.walls) for name in plan.walls}
-    if theme.feature:
-        paints[pick_one(rng, (watched, behind)).name] = paint_of(theme.feature)
-    raise_walls(builder, plan, height, windows, paints, floor_of(theme.floor, theme.seed))
-    skirt(builder, plan)
-    targets = lay_things(builder, within_reach(builder, plan, ledges), contents, seed)
-    check_targets(builder, plan, targets)
+    feature = pick_one(rng, (watched, behind)) if theme.feature else None
+    raise_walls(builder, plan, height, windows, theme, feature, floor_of(theme.floor, theme.seed))
+    targets = lay_things(builder, plan, ledges, contents, seed)
 
     lamps += daylight_lamps(builder, windows, light, seed)
     if rng.random() < 0.5:

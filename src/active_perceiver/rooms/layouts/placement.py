@@ -89,11 +89,6 @@ class Ledge:
         return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
 
     @property
-    def middle(self) -> tuple[float, float]:
-        """(x, y) halfway along it."""
-        return (self.start[0] + self.end[0]) / 2, (self.start[1] + self.end[1]) / 2
-
-    @property
     def turn(self) -> float:
         """Degrees by which a thing whose front is -y is turned to face the room."""
         return float(np.degrees(np.arctan2(self.end[1] - self.start[1], self.end[0] - self.start[0])))

@@ -1,4 +1,4 @@
-"""Floor, ceiling, walls, windows and doors of a room, and the light that comes with them."""
+"""Floor, ceiling, walls, windows and door of a room, its lamps and the light that comes in."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 
 from active_perceiver.rooms.furniture import fixtures
 from active_perceiver.rooms.layouts.daylight import Daylight, scaled
-from active_perceiver.rooms.layouts.placement import RoomBuilder
+from active_perceiver.rooms.layouts.placement import NoRoomError, RoomBuilder
 from active_perceiver.rooms.layouts.walls import Plan, Wall
 from active_perceiver.rooms.looks.materials import Colour, Material, from_hex
+from active_perceiver.rooms.looks.themes import Theme, WoodTones, finish_of, paint_of, pick_one
 from active_perceiver.rooms.room import Lamp
-from active_perceiver.rooms.shapes.geometry import Mesh, quad
+from active_perceiver.rooms.shapes.geometry import quad
 
 # A door's leaf and frame, and the floor in front of it that stays free; metres.
 DOOR_WIDTH, DOOR_SPACE = 1.08, 0.80
@@ -54,17 +55,19 @@ def raise_walls(
     plan: Plan,
     height: float,
     windows: Sequence[Window],
-    paints: dict[str, Material],
+    theme: Theme,
+    feature: Wall | None,
     floor: Material,
 ) -> None:
-    """Build floor, ceiling and walls.
+    """Build floor, ceiling, walls, their windows and skirting boards, once all that stands at the walls is there.
 
     Args:
         builder: takes the parts.
         plan: the room's size and walls.
         height: of the ceiling, metres.
         windows: at most one in each wall.
-        paints: of each wall, by its name.
+        theme: the walls' paints.
+        feature: the wall of the theme's other colour, if it has one.
         floor: material.
     """
     width, depth = plan.width, plan.depth
@@ -73,8 +76,9 @@ def raise_walls(
     builder.add("ceiling", [(quad((0, depth, height), (width, 0, 0), (0, -depth, 0), 0.5), white)])
     openings = {window.wall.name: window.opening for window in windows}
     for name, wall in plan.walls.items():
-        mesh: Mesh = fixtures.wall(wall.length, height, openings.get(name))
-        builder.add("wall", [(mesh, paints[name])], wall.point(wall.length / 2), wall.turn)
+        paint = paint_of(theme.feature if theme.feature and wall is feature else theme.walls)
+        mesh = fixtures.wall(wall.length, height, openings.get(name))
+        builder.add("wall", [(mesh, paint)], wall.point(wall.length / 2), wall.turn)
     for window in windows:
         wall = window.wall
         builder.add(
@@ -83,6 +87,7 @@ def raise_walls(
             wall.point(wall.length / 2),
             wall.turn,
         )
+    _skirt(builder, plan)
 
 
 def daylight_lamps(builder: RoomBuilder, windows: Sequence[Window], light: Daylight, seed: int) -> list[Lamp]:
@@ -112,20 +117,39 @@ def daylight_lamps(builder: RoomBuilder, windows: Sequence[Window], light: Dayli
 
 
 def hang_door(
-    builder: RoomBuilder, plan: Plan, walls: Sequence[Wall], leaf: Material, rng: np.random.Generator
-) -> bool:
-    """Put a door where there is room for it, and keep the floor in front of it free; False if there is none."""
+    builder: RoomBuilder,
+    plan: Plan,
+    walls: Sequence[Wall],
+    theme: Theme,
+    rng: np.random.Generator,
+    paints: Sequence[str] = ("#f1eee6", "#e3ddd0"),
+) -> None:
+    """Put a door where there is room for it, and keep the floor in front of it free.
+
+    Args:
+        builder: takes the parts.
+        plan: what stands where.
+        walls: where it may be.
+        theme: whose wood the leaf may be of.
+        rng: the leaf's look and the place.
+        paints: of a leaf that is not of wood.
+
+    Raises:
+        NoRoomError: if none of the walls has room for it.
+    """
+    looks: tuple[str | WoodTones, ...] = (*paints, theme.wood)
+    leaf = finish_of(pick_one(rng, looks), theme.seed)
     for index in rng.permutation(len(walls)):
         wall = walls[int(index)]
         along = plan.against(wall, DOOR_WIDTH, DOOR_SPACE, rng, tall=True, gap=0.04)
         if along is not None:
             builder.add("door", fixtures.door(leaf), wall.point(along, 0.001), wall.turn, obstacle=True)
             builder.bare(wall, along - 0.535, along + 0.535)
-            return True
-    return False
+            return
+    raise NoRoomError("no room for a door")
 
 
-def skirt(builder: RoomBuilder, plan: Plan) -> None:
+def _skirt(builder: RoomBuilder, plan: Plan) -> None:
     """Skirting boards along the walls but where `builder.bare` says that there are none."""
     for wall in plan.walls.values():
         start = 0.0

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from active_perceiver.rooms.furniture import appliances
+from active_perceiver.rooms.layouts.common import check_targets, within_reach
 from active_perceiver.rooms.layouts.placement import Item, Ledge, RoomBuilder, assign, lay_out, stream
+from active_perceiver.rooms.layouts.walls import Plan
 from active_perceiver.rooms.objects import OBJECTS
 from active_perceiver.rooms.shapes.pieces import Pieces, placed
 
@@ -81,11 +83,14 @@ class Contents:
     seed: int | None = None
 
 
-def lay_things(builder: RoomBuilder, ledges: Sequence[Ledge], contents: Contents, seed: int) -> dict[str, str]:
-    """Put things on ledges.
+def lay_things(
+    builder: RoomBuilder, plan: Plan, ledges: Sequence[Ledge], contents: Contents, seed: int
+) -> dict[str, str]:
+    """Put things on those ledges that a robot can come close to.
 
     Args:
-        builder: takes the parts.
+        builder: has all the furniture, takes the parts.
+        plan: the room's size.
         ledges: where things may stand.
         contents: which things.
         seed: of places, and of shapes and colours if the contents have no seed of their own.
@@ -94,8 +99,9 @@ def lay_things(builder: RoomBuilder, ledges: Sequence[Ledge], contents: Contents
         Those that can be searched for: object name -> category.
 
     Raises:
-        NoRoomError: if a required thing finds no room.
+        NoRoomError: if a required thing finds no room, or a robot cannot get about or come near a target.
     """
+    ledges = within_reach(builder, plan, ledges)
     items = []
     for name in dict.fromkeys((*contents.required, *contents.optional)):
         rng = stream(seed if contents.seed is None else contents.seed, name)
@@ -113,6 +119,7 @@ def lay_things(builder: RoomBuilder, ledges: Sequence[Ledge], contents: Contents
 
         lay_out(chosen, ledge, rng, put)
         targets.update({item.name: item.name for item in chosen if item.name not in SCENERY})
+    check_targets(builder, plan, targets)
     return dict(sorted(targets.items()))
 
 

@@ -100,7 +100,6 @@ class Plan:
         *,
         gap: float = 0.05,
         tall: bool = False,
-        within: tuple[float, float] | None = None,
     ) -> float | None:
         """Find and take a place for furniture along a wall.
 
@@ -111,13 +110,11 @@ class Plan:
             rng: chooses among the places.
             gap: from other furniture, metres.
             tall: whether it covers what hangs there, so that it needs and takes the wall above too.
-            within: stretch of the wall it has to lie in.
 
         Returns:
             Its middle along the wall, or None if no place was found.
         """
-        low, high = within or (0.0, wall.length)
-        low, high = max(low, 0.03) + width / 2, min(high, wall.length - 0.03) - width / 2
+        low, high = 0.03 + width / 2, wall.length - 0.03 - width / 2
         if low > high:
             return None
         for along in rng.uniform(low, high, TRIES).tolist():

@@ -1,4 +1,4 @@
-"""Procedural textures of surfaces: wood, stone, tiles, paper, cloth, carpet, metal, skins and crusts.
+"""Procedural textures of surfaces: wood, stone, tiles, cloth, carpet, metal, skins and crusts.
 
 Each returns (H, W, 3) float32 linear RGB in 0..1, row 0 at v = 1, the same for the same arguments, and is cached:
 calling twice gives the same array, so that rooms share it. All tile seamlessly unless their docstring says otherwise.
@@ -179,56 +179,6 @@ def carpet_tiles(colour: str, seed: int = 0, across: int = 4, size: int = 1024) 
     edge = np.minimum(rows % (size // across), columns % (size // across))
     image = np.asarray(from_hex(colour)) * tone[..., None] * (1 + 0.09 * pile) * (1 - 0.18 * (edge < 2))[..., None]
     return finish(image)
-
-
-@cache
-def wallpaper_stripes(ground: str, stripe: str, stripes: int = 8, seed: int = 0, size: int = 512) -> Texture:
-    """Wallpaper with upright stripes, each with a thin line beside it."""
-    u, _ = _coordinates(size)
-    place = (u * stripes) % 1
-    cover = np.clip((0.25 - np.abs(place - 0.5)) * size / stripes, 0, 1)
-    line = np.clip((0.02 - np.abs(place - 0.12)) * size / stripes, 0, 1)
-    image = blend(from_hex(ground), from_hex(stripe), np.maximum(cover, 0.8 * line))
-    return finish(image * (1 + 0.008 * noise(size, seed, 20, 120, 0.4))[..., None])
-
-
-@cache
-def wallpaper_sprigs(ground: str, sprig: str, across: int = 6, seed: int = 0, size: int = 512) -> Texture:
-    """Wallpaper with small leaves in staggered rows; `across` must be even."""
-    u, v = _coordinates(size)
-    row = np.floor(v * across).astype(int)
-    x, y = (u * across + 0.5 * (row % 2)) % 1 - 0.5, (v * across) % 1 - 0.5
-    cover = np.zeros_like(u)
-    for turn in (-0.75, 0.0, 0.75):
-        along, side = y * np.cos(turn) + x * np.sin(turn) + 0.16, x * np.cos(turn) - y * np.sin(turn)
-        half = 0.055 * np.sin(np.pi * np.clip(along / 0.34, 0, 1))
-        cover = np.maximum(cover, np.clip((half - np.abs(side)) * size / across, 0, 1))
-    image = blend(from_hex(ground), from_hex(sprig), cover.astype(np.float32))
-    return finish(image * (1 + 0.008 * noise(size, seed, 20, 120, 0.4))[..., None])
-
-
-@cache
-def herringbone(dark: str, light: str, across: int = 6, seed: int = 0, size: int = 512) -> Texture:
-    """Woollen cloth in a herringbone: slanting ribs that change direction from column to column."""
-    u, v = _coordinates(size)
-    place = (u * across) % 1
-    slant = np.where(np.floor(u * across) % 2 == 0, place, 1 - place)
-    rib = np.sin(2 * np.pi * (v * across * 4 + slant * 2))
-    image = blend(from_hex(dark), from_hex(light), 0.5 + 0.45 * rib + 0.12 * noise(size, seed, 30, 200, 0.2))
-    return finish(image)
-
-
-@cache
-def medallions(ground: str, figure: str, across: int = 4, seed: int = 0, size: int = 512) -> Texture:
-    """Furnishing cloth printed with rings and lozenges."""
-    u, v = _coordinates(size)
-    x, y = np.abs((u * across) % 1 - 0.5), np.abs((v * across) % 1 - 0.5)
-    sharp = size / across
-    ring = np.clip((0.035 - np.abs(np.hypot(x, y) - 0.33)) * sharp, 0, 1)
-    lozenge = np.clip((0.13 - x - y) * sharp, 0, 1)
-    corner = np.clip((0.10 - (0.5 - x) - (0.5 - y)) * sharp, 0, 1)
-    image = blend(from_hex(ground), from_hex(figure), np.maximum(np.maximum(ring, lozenge), corner))
-    return finish(image * (1 + 0.05 * noise(size, seed, 30, 200, 0.2))[..., None])
 
 
 @cache
