@@ -19,6 +19,7 @@ from tyro.conf import Positional, subcommand
 from active_perceiver.cli_benchmarks import Benchmark
 from active_perceiver.cli_scenes import Scenes, help_text
 from active_perceiver.errors import UserError
+from active_perceiver.experiments.reproduction.settings import Experiment, ReproduceSettings
 from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
 from active_perceiver.progress import console
 
@@ -119,6 +120,22 @@ class Search:
 
 
 @dataclass
+class Reproduce:
+    """The paper's tables and figures."""
+
+    what: Positional[Experiment]
+    """Which: a table, a figure, or all."""
+    out: Path = Path("reproduction")
+    """Folder for tables, figures and the results of single trainings; what is there is not run again."""
+    settings: tyro.conf.OmitArgPrefixes[ReproduceSettings] = field(default_factory=ReproduceSettings)
+
+    def run(self) -> int:
+        from active_perceiver.experiments.reproduction.reproduce import reproduce
+
+        return 0 if reproduce(self.what, self.settings, self.out) else 1
+
+
+@dataclass
 class Info:
     """Versions and machine, for a bug report."""
 
@@ -194,6 +211,18 @@ Command = (
                 "How fast it is on this machine, measured in one run on one core.",
                 "benchmark render",
                 "benchmark render kitchen --views 24 --out render.json",
+            ),
+        ),
+    ]
+    | Annotated[
+        Reproduce,
+        subcommand(
+            "reproduce",
+            description=help_text(
+                "Reproduce the paper's tables and figures; interrupted, the same command goes on.",
+                "reproduce all --quick",
+                "reproduce table1 --setups one_object --learners ppo",
+                "reproduce table1 --minutes 110 --out reproduction",
             ),
         ),
     ]

@@ -14,6 +14,11 @@ PATH = "#2f6fde"
 START = "#f0a202"
 BOX = "#ff4d2e"
 
+# Curves of one plot: Okabe and Ito's palette, which colour-blind people tell apart too, and ink.
+SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", INK)
+# Several searches on one floor plan: far from the green of the goals and the orange of the starts.
+PATHS = (PATH, "#c2348a", "#8a5a2b", "#0f9fb5", "#7a4fd0", "#c8322b")
+
 
 def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     """Pillow's own scalable font, so that a figure looks the same on every machine."""

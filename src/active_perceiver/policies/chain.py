@@ -1,4 +1,4 @@
-"""The Markov chain that a policy makes of a search."""
+"""Policy tables: checked, as the Markov chain they make of a search, and how undecided they are."""
 
 from __future__ import annotations
 
@@ -49,3 +49,8 @@ def policy_chain(task: SearchTask, probabilities: NDArray[np.floating], among: N
     # Going through COO sums the actions that lead to the same state.
     entries = (probabilities[kept][stays].astype(np.float64), (rows[stays], columns[stays]))
     return sparse.coo_array(entries, shape=(len(kept), len(kept))).tocsr()
+
+
+def entropies(table: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Entropy of a policy, in nats: (..., A) probabilities -> (...)."""
+    return -(table * np.log(np.maximum(table, 1e-30))).sum(axis=-1)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.policies.chain import entropies
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.evaluation import SearchResult, exact_evaluation, mean_evaluation
 from active_perceiver.policies.network import PolicyNetwork, problem_table
@@ -119,8 +120,3 @@ class Monitor:
     def _good_with_every_picture(self, network: PolicyNetwork) -> bool:
         most = max(problem.observations.pictures for problem in self._problems)
         return all(self._good(self._measure(network, picture)[0]) for picture in range(most))
-
-
-def entropies(table: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Entropy of a policy, in nats: (..., A) probabilities -> (...)."""
-    return -(table * np.log(np.maximum(table, 1e-30))).sum(axis=-1)

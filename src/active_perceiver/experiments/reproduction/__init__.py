@@ -1,0 +1,1 @@
+"""The paper's experiments on this project's rooms: `active-perceiver reproduce ...`."""

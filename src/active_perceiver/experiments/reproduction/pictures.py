@@ -1,0 +1,141 @@
+"""The paper's figures from the results of cells: each a picture and the numbers in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from active_perceiver.experiments.reproduction.cells import MOMENTS, Cell, Cells
+from active_perceiver.experiments.reproduction.setups import METHODS, Scale
+from active_perceiver.experiments.reproduction.sights import Sights
+from active_perceiver.experiments.reproduction.tables import LEARNER_LABELS
+from active_perceiver.experiments.result import write_result
+from active_perceiver.figures.entropy_map import entropy_maps
+from active_perceiver.figures.floor import SearchPanel, figure_png, trajectory_panels
+from active_perceiver.figures.learning_curves import Curve, learning_curves
+from active_perceiver.files import replacing
+from active_perceiver.policies.chain import entropies
+from active_perceiver.policies.sampling import Episode, run_episode
+
+# Searches drawn for each target, and the actions after which one is given up in the picture.
+PATHS = 4
+PATH_LIMIT = 1000
+
+
+def curves(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, out: Path) -> None:
+    """Expected number of actions of a search during training, for each reward (the paper's figure of curves)."""
+    results = {cell: cells.result(cell) for cell in needed}
+    setup = needed[0].setup
+    learned = list(dict.fromkeys((cell.learner, cell.method) for cell in needed if cell.learner))
+    walk = [result["exact"]["overall"] for cell, result in results.items() if cell.learner is None]
+    panels: dict[str, list[Curve]] = {}
+    for learner, method in learned:
+        histories = [results[cell]["history"] for cell in needed if (cell.learner, cell.method) == (learner, method)]
+        # Workers side by side do not stop for a measurement, so its iteration differs a little between seeds.
+        iterations = np.array([record["iteration"] for record in histories[0]])
+        lengths = [
+            np.interp(
+                iterations,
+                [record["iteration"] for record in history],
+                [expected_length(record, scale.limit) for record in history],
+            )
+            for history in histories
+        ]
+        curve = Curve(METHODS[method].label, iterations, np.array(lengths))
+        panels.setdefault(LEARNER_LABELS[learner], []).append(curve)
+    least = _shortest(cells, needed[0])
+    random = expected_length(walk[0], scale.limit)
+    figure = learning_curves(panels, dict.fromkeys(panels, random), dict.fromkeys(panels, least))
+    body = {
+        "setup": setup,
+        "limit": scale.limit,
+        "boxes": sights.boxes,
+        "random_walk": random,
+        "shortest": least,
+        "curves": [
+            {"learner": learner, "label": curve.label, "iterations": curve.iterations.tolist(),
+             "lengths": curve.lengths.tolist()}
+            for learner, some in panels.items() for curve in some
+        ],
+    }  # fmt: skip
+    _write(out, "curves", body, figure)
+
+
+def expected_length(record: dict[str, Any], limit: int) -> float:
+    """Expected number of actions of a search, of which those that fail take `limit`."""
+    success = record["success"]
+    return float((success * record["mean_steps"] if success > 0 else 0.0) + (1 - success) * limit)
+
+
+def _shortest(cells: Cells, cell: Cell) -> float:
+    """Mean over targets of the fewest actions, over all starts."""
+    means = [
+        task.steps[task.starts(target), target].mean()
+        for task in (problem.task for problem in cells.problems(cell))
+        for target in range(len(task.targets))
+    ]
+    return float(np.mean(means))
+
+
+def entropy(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, out: Path) -> None:
+    """Mean entropy of the policy per place at the start, in the middle and at the end of training."""
+    rows: dict[str, list[NDArray[np.floating]]] = {}
+    body: dict[str, Any] = {"boxes": sights.boxes, "rows": []}
+    for cell in needed:
+        tables = cells.tables(cell)
+        [scene] = tables["start"]
+        most = float(np.log(tables["start"][scene].shape[-1]))
+        # Rounding must not push a random walk above the most that is possible.
+        by_moment = [np.minimum(entropies(tables[moment][scene]).mean(axis=1), most) for moment in MOMENTS]
+        rows[METHODS[cell.method].label] = by_moment
+        means = {moment: float(some.mean()) for moment, some in zip(MOMENTS, by_moment, strict=True)}
+        iterations = [record["iteration"] for record in cells.result(cell)["history"]]
+        body["rows"].append({"cell": cell.name, "iterations": iterations[-1], "mean_entropy": means})
+    _write(out, "entropy", body | {"most": most}, entropy_maps(sights.scene(scene), rows, MOMENTS, most))
+
+
+def trajectories(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, out: Path) -> None:
+    """Searches from above for each target, by the policy of the last cell, which explores least."""
+    cell = needed[-1]
+    [(scene_name, table)] = cells.tables(cell)["end"].items()
+    [problem] = cells.problems(cell)
+    scene, task = sights.scene(scene_name), problem.task
+    rng = np.random.default_rng(cell.seed)
+    panels, searches = [], []
+    for target, name in enumerate(task.targets):
+        starts = _far_apart(scene.poses, task.starts(target), rng)
+        found = [run_episode(table, task, target, int(start), rng, PATH_LIMIT) for start in starts]
+        searches += [_search(name, episode, task.steps[episode.states[0], target]) for episode in found]
+        lengths = ", ".join(str(len(episode)) if episode.success else "not found" for episode in found)
+        paths = [scene.poses[episode.states] for episode in found]
+        panels.append(SearchPanel(f"{name}: {lengths}", paths, task.goals[:, target]))
+    body = {"cell": cell.name, "boxes": sights.boxes, "limit": PATH_LIMIT, "searches": searches}
+    _write(out, "trajectories", body, trajectory_panels(scene, panels))
+
+
+def _search(target: str, episode: Episode, shortest: Any) -> dict[str, Any]:
+    return {
+        "target": target, "start": int(episode.states[0]), "actions": len(episode), "success": episode.success,
+        "shortest": int(shortest),
+    }  # fmt: skip
+
+
+def _far_apart(poses: NDArray[np.floating], starts: NDArray[np.int64], rng: np.random.Generator) -> list[int]:
+    """Starts in different parts of the room: each as far as can be from those before."""
+    chosen = [int(rng.choice(starts))]
+    while len(chosen) < min(PATHS, len(starts)):
+        gaps = np.linalg.norm(poses[starts, None, :2] - poses[chosen, :2], axis=-1).min(axis=1)
+        chosen.append(int(starts[gaps.argmax()]))
+    return chosen
+
+
+def _write(out: Path, name: str, body: dict[str, Any], figure: Figure) -> None:
+    write_result(out / f"{name}.json", f"reproduce {name}", body)
+    with replacing(out / f"{name}.png") as temporary:
+        temporary.write_bytes(figure_png(figure))
+    print(f"{out / name}.json, {out / name}.png")

@@ -1,0 +1,137 @@
+"""What is searched for where, by which methods, and how much training each gets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from active_perceiver.experiments.reproduction.settings import LearnerName, MethodName, SetupName
+from active_perceiver.policies.config import A3cConfig, LearnerConfig, PpoConfig
+from active_perceiver.recognition.training import CONFIGS, RecogniserConfig
+from active_perceiver.scenes.bundled import TARGETS_OF_RECORD
+
+
+@dataclass(frozen=True)
+class Setup:
+    """One row of the paper's table I.
+
+    Attributes:
+        label: for tables.
+        searches: scene -> names of the targets searched for there.
+        updates: of the shared weights by A3C, the budget of one training.
+    """
+
+    label: str
+    searches: Mapping[str, tuple[str, ...]]
+    updates: int
+
+
+@dataclass(frozen=True)
+class Method:
+    """One column of the paper's table I.
+
+    Attributes:
+        label: for tables.
+        reward: a name in `REWARDS`; None for the random walk, which learns nothing.
+        entropy_weight: of the learner. The paper gives it for its own reward; the two other rewards get the low one,
+            which is Zhu's.
+    """
+
+    label: str
+    reward: str | None
+    entropy_weight: float = 0.01
+
+
+METHODS: dict[MethodName, Method] = {
+    "random": Method("random walk", None),
+    "reward_1": Method("reward 1: 10 at a goal, -0.01 elsewhere", "goal"),
+    "reward_2": Method("reward 2: the area at every step", "area"),
+    "record_high": Method("record reward, high exploration (0.1)", "record", 0.1),
+    "record_low": Method("record reward, low exploration (0.01)", "record", 0.01),
+}
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How large everything is.
+
+    Attributes:
+        setups: what is searched for.
+        image_size: side to which images are scaled for the backbone, pixels.
+        folds: of the recogniser's cross-validation.
+        recogniser: how it is trained.
+        a3c: settings that all trainings by A3C share, but for what setup, method and seed say.
+        ppo: the same for PPO.
+        episodes: per target, in the paper's protocol.
+        limit: actions after which a search has failed.
+        seeds: trainings of each kind.
+    """
+
+    setups: dict[SetupName, Setup]
+    image_size: int
+    folds: int
+    recogniser: RecogniserConfig
+    a3c: A3cConfig
+    ppo: PpoConfig
+    episodes: int
+    limit: int
+    seeds: int
+
+    def config(self, learner: LearnerName, setup: SetupName, method: MethodName, seed: int) -> LearnerConfig:
+        """Settings of one training. They stop neither early nor by time: everyone gets the same budget."""
+        common: dict[str, Any] = {
+            "reward": METHODS[method].reward,
+            "entropy_weight": METHODS[method].entropy_weight,
+            "seed": seed,
+            "target_ratio": None,
+            "check_limit": self.limit,
+        }
+        if learner == "ppo":
+            return replace(self.ppo, check_every=max(1, self.ppo.iterations // RECORDS), **common)
+        updates = self.setups[setup].updates
+        return replace(self.a3c, iterations=updates, check_every=max(1, updates // RECORDS), **common)
+
+
+# Measurements during a training.
+RECORDS = 12
+
+_ROOMS = ("kitchen_1", "kitchen_2", "living_room_1", "living_room_2")
+
+FULL = Scale(
+    setups={
+        "one_object": Setup("1 object, 1 scene", {"kitchen_1": ("bread",)}, 3000),
+        "four_objects": Setup("4 objects, 1 scene", {"kitchen_1": TARGETS_OF_RECORD["kitchen_1"]}, 6000),
+        "sixteen_objects": Setup(
+            "16 objects, 4 scenes", {scene: TARGETS_OF_RECORD[scene] for scene in _ROOMS}, 12_000
+        ),
+        "conference_room": Setup("conference room", {"conference_room": TARGETS_OF_RECORD["conference_room"]}, 6000),
+    },
+    image_size=320,
+    folds=5,
+    recogniser=CONFIGS["pooled"],
+    a3c=A3cConfig(),
+    ppo=PpoConfig(gamma=0.99),
+    episodes=10,
+    limit=5000,
+    seeds=3,
+)
+
+_SMALL = {"conference_room": ("mug", "bag")}
+
+QUICK = Scale(
+    setups={
+        "one_object": Setup("1 object, 1 scene", {"conference_room": ("mug",)}, 12),
+        "four_objects": Setup("2 objects, 1 scene", _SMALL, 20),
+        "sixteen_objects": Setup("4 objects, 2 scenes", {**_SMALL, "living_room_2": ("book", "vase")}, 20),
+        "conference_room": Setup("conference room", _SMALL, 20),
+    },
+    image_size=96,
+    folds=2,
+    recogniser=replace(CONFIGS["pooled"], steps=40),
+    a3c=A3cConfig(max_steps=200, hidden=32),
+    ppo=PpoConfig(gamma=0.99, iterations=3, searches=64, hidden=32),
+    episodes=3,
+    limit=500,
+    seeds=2,
+)
