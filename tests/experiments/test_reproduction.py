@@ -44,7 +44,7 @@ def test_everything_is_written(folder):
     names = {path.name for path in folder.iterdir() if path.is_file()}
     assert names == {
         "table1.json", "table1.md", "table2.json", "table2.md", "curves.json", "curves.png", "entropy.json",
-        "entropy.png", "trajectories.json", "trajectories.png",
+        "entropy.png", "trajectories.json", "trajectories.png", "choices.json", "choices.md",
     }  # fmt: skip
     assert not list(folder.rglob("*.checkpoint"))
     assert not list(folder.rglob("*.part*"))

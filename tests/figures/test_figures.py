@@ -70,7 +70,7 @@ def test_each_panel_shows_its_own_searches_and_goals(scene):
     assert figure.get_suptitle() == "toy"
     for k, axes in enumerate(figure.axes):
         goal_arrows, *ends = [item for item in axes.collections if isinstance(item, Quiver)]
-        assert goal_arrows.N == goals[:, k].sum()
+        assert len(goal_arrows.XY) == goals[:, k].sum()
         np.testing.assert_allclose(goal_arrows.XY, scene.poses[goals[:, k], :2], atol=1e-6)
         assert len(ends) == len(paths_of(axes)) == k + 1
 

@@ -60,7 +60,7 @@ def test_a_label_keeps_its_colour_and_stands_in_the_legend_once():
 def test_colours_of_curves_are_far_apart():
     colours = np.array([to_rgb(colour) for colour in SERIES])
     distance = np.linalg.norm(colours[:, None] - colours, axis=-1) + 9 * np.eye(len(colours))
-    assert distance.min() > 0.3
+    assert distance.min() > 0.25
 
 
 @pytest.mark.parametrize("panels", [1, 2, 4])

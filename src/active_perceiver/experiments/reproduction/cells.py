@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.experiments.reproduction.settings import LearnerName, MethodName, SetupName
-from active_perceiver.experiments.reproduction.setups import METHODS, Scale
-from active_perceiver.experiments.reproduction.sights import Sights, short_hash
+from active_perceiver.experiments.reproduction.setups import CHOICES, METHODS, Scale
+from active_perceiver.experiments.reproduction.sights import Boxes, Sights, short_hash
 from active_perceiver.experiments.result import write_result
 from active_perceiver.files import replacing
 from active_perceiver.policies import LEARNERS
@@ -34,17 +34,20 @@ class Cell:
         method: which reward.
         learner: None for the random walk.
         seed: of everything random.
+        choice: a name in CHOICES, if something is chosen otherwise.
     """
 
     setup: SetupName
     method: MethodName
     learner: LearnerName | None
     seed: int
+    choice: str = ""
 
     @property
     def name(self) -> str:
         """For people and files."""
-        return "-".join([self.setup, self.method, *([self.learner] if self.learner else []), str(self.seed)])
+        parts = (self.setup, self.method, self.learner, self.choice, str(self.seed))
+        return "-".join(part for part in parts if part)
 
 
 def cells_of(
@@ -97,20 +100,24 @@ class Cells:
 
     def problems(self, cell: Cell) -> list[Problem]:
         """What it searches for, one for each scene."""
-        return [self._sights.problem(scene, targets) for scene, targets in self._searches(cell).items()]
+        boxes = self._boxes(cell)
+        return [self._sights.problem(scene, targets, boxes) for scene, targets in self._searches(cell).items()]
 
     def _searches(self, cell: Cell) -> Mapping[str, tuple[str, ...]]:
         return self._scale.setups[cell.setup].searches
 
+    def _boxes(self, cell: Cell) -> Boxes:
+        return "ground-truth" if cell.choice and CHOICES[cell.choice].true_boxes else self._sights.boxes
+
     def _config(self, cell: Cell) -> Any:
-        return cell.learner and self._scale.config(cell.learner, cell.setup, cell.method, cell.seed)
+        return cell.learner and self._scale.config(cell.learner, cell.setup, cell.method, cell.seed, cell.choice)
 
     def _path(self, cell: Cell, suffix: str) -> Path:
         """The name holds a hash of all that the result depends on, so that no stale one is taken for it."""
-        config = self._config(cell)
+        config, boxes = self._config(cell), self._boxes(cell)
         facts = {
             "searches": self._searches(cell),
-            "sights": {scene: self._sights.fingerprint(scene) for scene in self._searches(cell)},
+            "sights": {scene: self._sights.fingerprint(scene, boxes) for scene in self._searches(cell)},
             "config": config and asdict(config),
             "protocol": [self._scale.episodes, self._scale.limit],
         }
@@ -124,7 +131,7 @@ class Cells:
         rng = np.random.default_rng(cell.seed)
         body = {
             "cell": {**asdict(cell), "scenes": self._searches(cell)},
-            "boxes": self._sights.boxes,
+            "boxes": self._boxes(cell),
             "settings": config and asdict(config),
             "sampled": _evaluated(
                 episode_evaluation(table, problem.task, self._scale.episodes, self._scale.limit, rng)

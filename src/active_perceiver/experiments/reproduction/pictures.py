@@ -92,7 +92,7 @@ def entropy(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, 
         most = float(np.log(tables["start"][scene].shape[-1]))
         # Rounding must not push a random walk above the most that is possible.
         by_moment = [np.minimum(entropies(tables[moment][scene]).mean(axis=1), most) for moment in MOMENTS]
-        rows[METHODS[cell.method].label] = by_moment
+        rows[f"entropy weight {METHODS[cell.method].entropy_weight:g}"] = by_moment
         means = {moment: float(some.mean()) for moment, some in zip(MOMENTS, by_moment, strict=True)}
         iterations = [record["iteration"] for record in cells.result(cell)["history"]]
         body["rows"].append({"cell": cell.name, "iterations": iterations[-1], "mean_entropy": means})

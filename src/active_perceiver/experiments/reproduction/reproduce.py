@@ -11,9 +11,16 @@ from typing import Any
 from active_perceiver.experiments.reproduction.cells import Cell, Cells, cells_of
 from active_perceiver.experiments.reproduction.pictures import curves, entropy, trajectories
 from active_perceiver.experiments.reproduction.settings import Experiment, MethodName, ReproduceSettings
-from active_perceiver.experiments.reproduction.setups import FULL, METHODS, QUICK, Scale
+from active_perceiver.experiments.reproduction.setups import CHOICES, FULL, METHODS, QUICK, Scale
 from active_perceiver.experiments.reproduction.sights import Sights
-from active_perceiver.experiments.reproduction.tables import format_table_1, format_table_2, table_1, table_2
+from active_perceiver.experiments.reproduction.tables import (
+    format_choices,
+    format_table_1,
+    format_table_2,
+    table_1,
+    table_2,
+    table_of_choices,
+)
 from active_perceiver.experiments.result import write_result
 from active_perceiver.files import replacing
 from active_perceiver.progress import console
@@ -90,6 +97,10 @@ def _picture_cells(settings: ReproduceSettings, scale: Scale) -> list[Cell]:
     return cells_of(("four_objects",), RECORD, settings.learners[:1], 1)
 
 
+def _choice_cells(settings: ReproduceSettings, scale: Scale) -> list[Cell]:
+    return [Cell("one_object", "record_low", "a3c", 0, choice) for choice in ("", *CHOICES)]
+
+
 def _write_table_1(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, out: Path) -> None:
     results = {cell: cells.result(cell) for cell in needed}
     rows = table_1(results)
@@ -101,6 +112,11 @@ def _write_table_1(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: 
 def _write_table_2(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, out: Path) -> None:
     rows = table_2({cell: cells.result(cell) for cell in needed})
     _write(out, "table2", {"protocol": _protocol(sights, scale), "rows": rows}, format_table_2(rows))
+
+
+def _write_choices(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, out: Path) -> None:
+    rows = table_of_choices({cell: cells.result(cell) for cell in needed})
+    _write(out, "choices", {"protocol": _protocol(sights, scale), "rows": rows}, format_choices(rows))
 
 
 def _write(out: Path, name: str, body: dict[str, Any], text: str) -> None:
@@ -145,5 +161,6 @@ EXPERIMENTS: dict[Experiment, tuple[Needs, Writes]] = {
     "curves": (_curve_cells, curves),
     "entropy": (_picture_cells, entropy),
     "trajectories": (_picture_cells, trajectories),
+    "choices": (_choice_cells, _write_choices),
 }
 """Each experiment's cells, and what writes its result."""

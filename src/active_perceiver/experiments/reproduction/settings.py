@@ -10,7 +10,7 @@ from active_perceiver.errors import UserError
 SetupName = Literal["one_object", "four_objects", "sixteen_objects", "conference_room"]
 MethodName = Literal["random", "reward_1", "reward_2", "record_high", "record_low"]
 LearnerName = Literal["a3c", "ppo"]
-Experiment = Literal["table1", "table2", "curves", "entropy", "trajectories", "all"]
+Experiment = Literal["table1", "table2", "curves", "entropy", "trajectories", "choices", "all"]
 
 
 @dataclass(frozen=True)

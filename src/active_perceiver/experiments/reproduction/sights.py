@@ -38,7 +38,7 @@ class Sights:
     def __init__(
         self, folder: Path, backbone: Backbone, recogniser: RecogniserConfig, folds: int, boxes: Boxes
     ) -> None:
-        self.boxes = boxes
+        self.boxes: Boxes = boxes
         self._folder = folder
         self._backbone = backbone
         self._recogniser = recogniser
@@ -50,23 +50,29 @@ class Sights:
         """A scene by name."""
         return self._opened(name)[0]
 
-    def problem(self, name: str, targets: tuple[str, ...]) -> Problem:
-        """The search for some targets of a scene, each with its first picture: the paper has one each."""
+    def problem(self, name: str, targets: tuple[str, ...], boxes: Boxes | None = None) -> Problem:
+        """The search for some targets of a scene, each with its first picture: the paper has one each.
+
+        Args:
+            name: of the scene.
+            targets: what is searched for.
+            boxes: whose boxes the policy is shown; `self.boxes` if None.
+        """
         scene, features = self._opened(name)
         task = SearchTask.from_scene(scene, targets)
         index = [scene.target_index(target) for target in targets]
         pictures = features.target_features[index][:, :1]
-        if self.boxes == "ground-truth":
+        if (boxes or self.boxes) == "ground-truth":
             return Problem(task, Observations.from_boxes(features.view_features, pictures, scene.boxes[:, index]))
         found = self.detections(name)
-        seen, boxes = found.seen[:, index, :1].astype(np.float32), found.boxes[:, index, :1]
-        return Problem(task, Observations.from_detections(features.view_features, pictures, seen, boxes))
+        seen, where = found.seen[:, index, :1].astype(np.float32), found.boxes[:, index, :1]
+        return Problem(task, Observations.from_detections(features.view_features, pictures, seen, where))
 
     def detections(self, name: str) -> CrossValidated:
         """What recognisers see in the views of the places that they were not trained in."""
         if name not in self._detections:
             scene, features = self._opened(name)
-            path = self._folder / f"{name}-{self.fingerprint(name)}.npz"
+            path = self._folder / f"{name}-{self.fingerprint(name, 'recogniser')}.npz"
             if not path.exists():
                 with progress_bar(f"{self._folds} recognisers of {name}") as report:
                     made = cross_validate(
@@ -77,15 +83,16 @@ class Sights:
             self._detections[name] = CrossValidated.load(path)
         return self._detections[name]
 
-    def fingerprint(self, name: str) -> str:
-        """Short hash of everything that the sights of a scene depend on."""
+    def fingerprint(self, name: str, boxes: Boxes | None = None) -> str:
+        """Short hash of everything that the sights of a scene depend on; arguments as of `problem`."""
+        boxes = boxes or self.boxes
         facts: dict[str, Any] = {
             "scene": self.scene(name).content_hash,
             "backbone": self._backbone.fingerprint,
             "image_size": self._backbone.image_size,
-            "boxes": self.boxes,
+            "boxes": boxes,
         }
-        if self.boxes == "recogniser":
+        if boxes == "recogniser":
             facts |= {"recogniser": asdict(self._recogniser), "folds": self._folds}
         return short_hash(facts)
 

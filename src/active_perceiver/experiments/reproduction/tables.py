@@ -10,7 +10,7 @@ from scipy import stats
 
 from active_perceiver.experiments.reproduction.cells import Cell
 from active_perceiver.experiments.reproduction.paper import TABLE_1, TABLE_2
-from active_perceiver.experiments.reproduction.setups import METHODS, Scale
+from active_perceiver.experiments.reproduction.setups import CHOICES, METHODS, Scale
 
 CONFIDENCE = 0.95
 LEARNER_LABELS = {"a3c": "A3C", "ppo": "PPO", None: "-"}
@@ -113,6 +113,35 @@ def format_table_2(rows: Sequence[Mapping[str, Any]]) -> str:
     """Table II as Markdown."""
     lines = [_line(f"{row['target']}, {METHODS[row['method']].label}", row) for row in rows]
     return "\n".join([*_head("target, method"), *lines])
+
+
+def table_of_choices(results: Results) -> list[dict[str, Any]]:
+    """Rows for what the paper leaves open: as it was chosen first, then each choice made otherwise."""
+    return [
+        {
+            "choice": cell.choice,
+            "label": CHOICES[cell.choice].label if cell.choice else "as in table 1",
+            "exact": result["exact"]["overall"],
+            "updates": result["history"][-1]["iteration"],
+            "samples": result["history"][-1]["samples"],
+            "seconds": result["seconds"],
+        }
+        for cell, result in results.items()
+    ]
+
+
+def format_choices(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The same as Markdown."""
+    head = ("chosen", "exact success", "mean actions", "x shortest", "updates", "actions in training")
+    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
+    for row in rows:
+        exact = row["exact"]
+        cells = (
+            row["label"], f"{100 * exact['success']:.1f} %", _number(exact["mean_steps"], ".1f"),
+            _number(exact["ratio"], ".1f"), f"{row['updates']:.0f}", f"{row['samples']:,.0f}".replace(",", " "),
+        )  # fmt: skip
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 def _head(first: str) -> list[str]:
