@@ -15,6 +15,7 @@ from active_perceiver.experiments.reproduction.setups import CHOICES, FULL, METH
 from active_perceiver.experiments.reproduction.sights import Sights
 from active_perceiver.experiments.reproduction.tables import (
     format_choices,
+    format_recogniser,
     format_table_1,
     format_table_2,
     table_1,
@@ -105,8 +106,11 @@ def _write_table_1(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: 
     results = {cell: cells.result(cell) for cell in needed}
     rows = table_1(results)
     scenes = {scene for cell in needed for scene in scale.setups[cell.setup].searches}
-    body = {"protocol": _protocol(sights, scale), "recogniser": _recogniser(sights, sorted(scenes)), "rows": rows}
-    _write(out, "table1", body, format_table_1(rows, scale))
+    recogniser = _recogniser(sights, sorted(scenes))
+    text = format_table_1(rows, scale)
+    if recogniser is not None:
+        text += f"\n\n{format_recogniser(recogniser)}"
+    _write(out, "table1", {"protocol": _protocol(sights, scale), "recogniser": recogniser, "rows": rows}, text)
 
 
 def _write_table_2(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, out: Path) -> None:

@@ -132,9 +132,7 @@ FULL = Scale(
     setups={
         "one_object": Setup("1 object, 1 scene", {"kitchen_1": ("bread",)}, 3000),
         "four_objects": Setup("4 objects, 1 scene", {"kitchen_1": TARGETS_OF_RECORD["kitchen_1"]}, 4000),
-        "sixteen_objects": Setup(
-            "16 objects, 4 scenes", {scene: TARGETS_OF_RECORD[scene] for scene in _ROOMS}, 6000
-        ),
+        "sixteen_objects": Setup("16 objects, 4 scenes", {scene: TARGETS_OF_RECORD[scene] for scene in _ROOMS}, 3000),
         "conference_room": Setup("conference room", {"conference_room": TARGETS_OF_RECORD["conference_room"]}, 4000),
     },
     image_size=320,

@@ -144,6 +144,18 @@ def format_choices(rows: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def format_recogniser(scenes: Mapping[str, Mapping[str, Any]]) -> str:
+    """How well the cross-validated recognisers do, as Markdown."""
+    head = ("scene", "pictures", "AUROC", "AP50", "mean IoU", "recall", "false alarms")
+    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
+    for scene, described in scenes.items():
+        for pictures, metrics in described["metrics"].items():
+            figures = [f"{metrics[name]:.3f}" for name in ("auroc", "ap50", "mean_iou")]
+            rates = [f"{100 * metrics[name]:.1f} %" for name in ("recall", "false_positive_rate")]
+            lines.append(f"| {' | '.join([scene, pictures.removesuffix(' pictures'), *figures, *rates])} |")
+    return "\n".join(lines)
+
+
 def _head(first: str) -> list[str]:
     columns = (
         first,
