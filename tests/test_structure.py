@@ -27,7 +27,7 @@ ALLOWED = {
         "agent_config", "figures", "perceiver", "policies", "recognition", "robots", "scenes", "search", "vision",
     },
     "cli_scenes": {"experiments", "rooms", "scenes"},
-    "cli_benchmarks": {"experiments", "rooms"},
+    "cli_benchmarks": {"cli_scenes", "experiments", "rooms"},
     "cli": {"cli_benchmarks", "cli_scenes", "experiments", "rooms", "scenes", "vision"},
     "__main__": {"cli"},
 }  # fmt: skip

@@ -164,10 +164,7 @@ def load_backbone(
         BackboneError: if there is no such backbone, the one in the folder is another, or it would have to be made
             and cannot be (no torch, no weights).
     """
-    if name not in BACKBONES:
-        raise BackboneError(f"there is no backbone '{name}'; there are {', '.join(BACKBONES)}")
-    if image_size < 32 or image_size % 32:
-        raise BackboneError(f"the image size must be a multiple of 32, got {image_size}; 320 is the usual one")
+    check_backbone(name, image_size)
     if folder is not None and (path := Path(folder) / FILE_NAME).exists():
         backbone = _open(path, threads)
         if (backbone.name, backbone.image_size) != (name, image_size):
@@ -175,7 +172,7 @@ def load_backbone(
                 f"{path} is {backbone.name} for {backbone.image_size} pixels; {name} for {image_size} is asked for"
             )
         return backbone
-    path = cache_folder() / "backbones" / f"{name}-{image_size}.onnx"
+    path = cached_path(name, image_size)
     if path.exists():
         try:
             return Backbone(path, threads)
@@ -183,6 +180,23 @@ def load_backbone(
             pass  # damaged in the cache: made again
     _convert(name, image_size, path)
     return Backbone(path, threads)
+
+
+def check_backbone(name: str, image_size: int = IMAGE_SIZE) -> None:
+    """Make sure that there can be such a backbone.
+
+    Raises:
+        BackboneError: if its name is unknown or the size does not suit its strides.
+    """
+    if name not in BACKBONES:
+        raise BackboneError(f"there is no backbone '{name}'; there are {', '.join(BACKBONES)}")
+    if image_size < 32 or image_size % 32:
+        raise BackboneError(f"the image size must be a multiple of 32, got {image_size}; 320 is the usual one")
+
+
+def cached_path(name: str, image_size: int = IMAGE_SIZE) -> Path:
+    """Where the cache keeps a converted backbone, whether it is there or not."""
+    return cache_folder() / "backbones" / f"{name}-{image_size}.onnx"
 
 
 def _open(path: Path, threads: int | None) -> Backbone:
@@ -199,18 +213,13 @@ def _convert(name: str, image_size: int, path: Path) -> None:
         BackboneError: if torch or onnx are not installed, or the weights are not to be had.
     """
     try:
-        import torch
-
-        from active_perceiver.vision.onnx_export import to_onnx
+        from active_perceiver.vision.onnx_export import backbone_onnx
     except ImportError as error:
         raise BackboneError(
             f"the backbone {name} is not in the cache ({path}), and making it needs {error.name}: run once "
             "where `pip install 'active-perceiver[train]'` was done, or copy backbone.onnx into the agent's folder"
         ) from None
-    network = BACKBONES[name].build()
-    images = torch.randint(0, 256, (2, image_size, image_size, 3), generator=torch.Generator().manual_seed(0))
-    metadata = {"kind": "active-perceiver-backbone", "name": name}
-    data = to_onnx(network, {"images": images.to(torch.uint8)}, ["maps"], metadata)
+    data = backbone_onnx(BACKBONES[name].build(), name, image_size)
     try:
         with replacing(path) as temporary:
             temporary.write_bytes(data)

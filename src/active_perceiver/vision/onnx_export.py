@@ -79,3 +79,19 @@ def to_onnx(
         if not difference <= tolerance:
             raise ExportError(f"output '{name}' of the ONNX model differs from torch's by {difference:.2g}")
     return data
+
+
+def backbone_onnx(network: nn.Module, name: str, image_size: int) -> bytes:
+    """The ONNX file of a backbone, checked against torch.
+
+    Args:
+        network: (N, H, W, 3) uint8 -> (N, C, H / 16, W / 16) float32, in evaluation mode.
+        name: what the file says it is, one of `BACKBONES`.
+        image_size: H and W.
+
+    Raises:
+        ExportError: if the outputs differ.
+    """
+    images = torch.randint(0, 256, (2, image_size, image_size, 3), generator=torch.Generator().manual_seed(0))
+    metadata = {"kind": "active-perceiver-backbone", "name": name}
+    return to_onnx(network, {"images": images.to(torch.uint8)}, ["maps"], metadata)

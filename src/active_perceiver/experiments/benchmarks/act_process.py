@@ -1,0 +1,181 @@
+"""A process of its own that acts as a robot's program would, and prints how long everything took.
+
+Being fresh, it shows the cold start and the memory of one agent with one number of threads. What is heavy to import
+is imported inside the functions, under the clock. Run by `act_speed.py`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+PARTS = ("decoding", "backbone", "recogniser", "policy")
+# After so many actions a new search begins: about as long as searches are.
+_ACTIONS = 20
+
+Seconds = dict[str, list[float]]
+
+
+def run_agent(
+    folder: str, picture: str, frames: list[str], threads: int, repeats: int, launched: float
+) -> dict[str, Any]:
+    """Load an agent and let it act on encoded pictures.
+
+    Args:
+        folder: of the agent.
+        picture: file of what is searched for.
+        frames: files of what the camera sees, taken by turns.
+        threads: CPU threads.
+        repeats: actions to measure after the first one.
+        launched: when this process was started, seconds since the epoch.
+
+    Returns:
+        "seconds": for each of `PARTS` and "whole" one number per action, without the first; "cold_start": seconds of
+        "import", which includes starting the interpreter, "load", "reset" and "first action"; "peak_memory_gib";
+        "torch": whether anything imported it.
+    """
+    from active_perceiver.scenes import decode_image, read_image
+
+    agent_seconds: dict[str, float] = {}
+    imported = _imported_perceiver()
+    data = [Path(frame).read_bytes() for frame in frames]
+    started = time.perf_counter()
+    agent = _load(Path(folder), threads)
+    branch = next(iter(agent.config.branches))
+    loaded = time.perf_counter()
+    agent.reset(read_image(picture), branch, seed=0)
+    begun = time.perf_counter()
+    agent.act(decode_image(data[0]))
+    acted = time.perf_counter()
+    cold = {
+        "import": imported - launched,
+        "load": loaded - started,
+        "reset": begun - loaded,
+        "first action": acted - begun,
+    }
+    decode = _timed(decode_image, agent_seconds, "decoding")
+    for part, owner, method in (
+        ("backbone", agent.backbone, "maps"),
+        ("recogniser", agent.seeker, "look"),
+        ("policy", agent.policy, "probabilities"),
+    ):
+        setattr(owner, method, _timed(getattr(owner, method), agent_seconds, part))
+    seconds: Seconds = {part: [] for part in (*PARTS, "whole")}
+    for number in range(repeats):
+        if number % _ACTIONS == 0:
+            agent.reset(read_image(picture), branch, seed=number)
+        started = time.perf_counter()
+        agent.act(decode(data[number % len(data)]))
+        agent_seconds["whole"] = time.perf_counter() - started
+        for part, times in seconds.items():
+            times.append(agent_seconds[part])
+    return _result(seconds, cold)
+
+
+def run_torch(
+    backbone: str, image_size: int, frames: list[str], threads: int, repeats: int, launched: float
+) -> dict[str, Any]:
+    """The same for the backbone alone as torch runs it eagerly, with random weights; see `run_agent`.
+
+    Returns:
+        As `run_agent`, with the part "backbone" only; scaling the picture is part of it, as it is there.
+    """
+    import torch
+
+    from active_perceiver.scenes import read_image
+    from active_perceiver.scenes.images import square_image
+    from active_perceiver.vision.untrained import untrained_trunk
+
+    imported = time.time()
+    torch.set_num_threads(threads)
+    started = time.perf_counter()
+    network = untrained_trunk(backbone)
+    loaded = time.perf_counter()
+    images = [read_image(frame) for frame in frames]
+
+    @torch.inference_mode()
+    def maps(image: Any) -> Any:
+        return network(torch.from_numpy(square_image(image, image_size).copy())[None]).numpy()
+
+    begun = time.perf_counter()
+    maps(images[0])
+    acted = time.perf_counter()
+    cold = {"import": imported - launched, "load": loaded - started, "first action": acted - begun}
+    seconds: Seconds = {"backbone": []}
+    for number in range(repeats):
+        started = time.perf_counter()
+        maps(images[number % len(images)])
+        seconds["backbone"].append(time.perf_counter() - started)
+    return _result(seconds, cold)
+
+
+def _imported_perceiver() -> float:
+    """Import what an agent needs; when it was done, seconds since the epoch."""
+    import active_perceiver.perceiver  # noqa: F401
+
+    return time.time()
+
+
+def _load(folder: Path, threads: int) -> Any:
+    """`ActivePerceiver.from_pretrained` with a given number of threads."""
+    from active_perceiver.agent_config import AgentConfig
+    from active_perceiver.perceiver import ActivePerceiver
+    from active_perceiver.recognition.recogniser import Recogniser
+    from active_perceiver.vision.backbone import load_backbone
+
+    config = AgentConfig.load(folder)
+    backbone = load_backbone(config.backbone, folder, config.image_size, threads)
+    agent: Any = ActivePerceiver(folder, config, backbone)
+    if config.task == "object":
+        # It opened its recogniser with a thread for every core.
+        agent.seeker.recogniser = Recogniser(folder / "recogniser.onnx", threads)
+    return agent
+
+
+def _timed(function: Callable[..., Any], seconds: dict[str, float], part: str) -> Callable[..., Any]:
+    """The function, noting how long its last call took."""
+
+    def run(*arguments: Any) -> Any:
+        started = time.perf_counter()
+        result = function(*arguments)
+        seconds[part] = time.perf_counter() - started
+        return result
+
+    return run
+
+
+def _result(seconds: Seconds, cold: dict[str, float]) -> dict[str, Any]:
+    return {
+        "seconds": seconds,
+        "cold_start": {**cold, "whole": sum(cold.values())},
+        "peak_memory_gib": peak_memory(),
+        "torch": "torch" in sys.modules,
+    }
+
+
+def peak_memory() -> float | None:
+    """Most memory this process has had at once, in GiB; None where the system does not tell."""
+    try:
+        # What getrusage says on Linux includes the process that started this one.
+        lines = Path("/proc/self/status").read_text().splitlines()
+        return next(float(line.split()[1]) for line in lines if line.startswith("VmHWM")) / 2**20
+    except (OSError, StopIteration):
+        pass
+    if sys.platform == "win32":
+        return None
+    import resource
+
+    # Kibibytes, but bytes on macOS.
+    unit = 1 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**30
+
+
+RUNS: dict[str, Callable[..., dict[str, Any]]] = {"agent": run_agent, "torch": run_torch}
+
+if __name__ == "__main__":
+    request = json.loads(sys.argv[1])
+    print(json.dumps(RUNS[request.pop("run")](**request)))
