@@ -9,7 +9,14 @@ import pytest
 import torch
 from problems import random_table, toy_problem
 
-from active_perceiver.policies import LEARNERS, MirrorDescentConfig, PpoConfig, exact_evaluation, learner_named
+from active_perceiver.policies import (
+    LEARNERS,
+    DistilConfig,
+    MirrorDescentConfig,
+    PpoConfig,
+    exact_evaluation,
+    learner_named,
+)
 from active_perceiver.policies.advantages import exact_advantages
 from active_perceiver.policies.network import picture_tensors, problem_table, seeded_network
 from active_perceiver.policies.ppo import PairSums, SceneSamples
@@ -19,6 +26,7 @@ from active_perceiver.search import REWARDS, SearchEnv, SearchError
 SMALL = {"hidden": 64, "target_ratio": 1.05}
 CONFIGS = {
     "mirror-descent": MirrorDescentConfig(**SMALL),
+    "distil": DistilConfig(**SMALL),
     "ppo": PpoConfig(**SMALL, searches=256, check_every=2),
 }
 
@@ -199,6 +207,11 @@ def test_says_which_learner_takes_a_reward_that_depends_on_the_past():
         (MirrorDescentConfig, {"gamma": 1.0}, "gamma"),
         (MirrorDescentConfig, {"learning_rate": 0.0}, "learning rate"),
         (MirrorDescentConfig, {"reward": "fun"}, "no reward 'fun'"),
+        (DistilConfig, {"iterations": 0}, "iterations must be at least 1"),
+        (DistilConfig, {"batch_states": 0}, "batch_states must be at least 1"),
+        (DistilConfig, {"learning_rate": -1.0}, "learning rate"),
+        (DistilConfig, {"averaging": 1.0}, "averaging must be"),
+        (PpoConfig, {"gamma": -0.1}, "gamma"),
         (PpoConfig, {"epochs": 0}, "epochs must be at least 1"),
         (PpoConfig, {"trace_decay": 1.5}, "trace decay"),
     ],
@@ -209,7 +222,7 @@ def test_refuses_settings_out_of_range(kind, fields, message):
 
 
 def test_refuses_unknown_learners_and_settings_of_another(problem):
-    with pytest.raises(SearchError, match="no learner 'sarsa'; choose one of mirror-descent, ppo, a3c"):
+    with pytest.raises(SearchError, match="no learner 'sarsa'; choose one of mirror-descent, distil, ppo, a3c"):
         learner_named("sarsa")
     with pytest.raises(SearchError, match="needs a PpoConfig, got a MirrorDescentConfig"):
         LEARNERS["ppo"].train([problem], MirrorDescentConfig())

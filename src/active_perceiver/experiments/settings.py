@@ -27,9 +27,10 @@ class TrainSettings:
     """Kind of recogniser: "matching" compares the picture with every place in the view, "pooled" is the paper's."""
     recogniser_steps: int | None = None
     """Training steps of the recogniser; its own default if not given."""
-    learner: Literal["mirror-descent", "ppo", "a3c"] = "mirror-descent"
-    """How the policy is learned: from exact advantages, by proximal policy optimisation from rollouts, or as in the
-    paper by A3C with a process for each scene and target (slow)."""
+    learner: Literal["mirror-descent", "distil", "ppo", "a3c"] = "mirror-descent"
+    """How the policy is learned: from exact advantages, from the shortest paths themselves (distil, which has no
+    reward), by proximal policy optimisation from rollouts, or as in the paper by A3C with a process for each scene
+    and target (slow)."""
     reward: Literal["arrival", "gain", "record", "goal", "area"] | None = None
     """What the policy is paid for; "arrival" for mirror-descent and "gain" for ppo, "record" (the paper's) for a3c if
     not given, "goal" for --task view."""

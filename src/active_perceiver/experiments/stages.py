@@ -72,13 +72,14 @@ def learner_config(settings: TrainSettings) -> LearnerConfig:
         UserError: if they say something that this learner cannot be told.
     """
     learner = learner_named(settings.learner)
+    known = {field.name for field in fields(learner.config)}
+    default_reward = DEFAULT_REWARDS[settings.task] if "reward" in known else None
     given: dict[str, Any] = {
-        "reward": settings.reward or DEFAULT_REWARDS[settings.task],
+        "reward": settings.reward or default_reward,
         "entropy_weight": settings.entropy_weight,
         "seconds": settings.policy_seconds,
     }
     given = {name: value for name, value in given.items() if value is not None}
-    known = {field.name for field in fields(learner.config)}
     if unknown := given.keys() - known:
         raise UserError(f"the learner {learner.name} has no {', '.join(unknown)}; leave it out, or use --learner ppo")
     return learner.config(seed=settings.seed, **given)

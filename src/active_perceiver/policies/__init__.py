@@ -1,6 +1,12 @@
 """Policies: what they are at run time, how they are trained, how well they search. Only training imports torch."""
 
-from active_perceiver.policies.config import A3cConfig, LearnerConfig, MirrorDescentConfig, PpoConfig
+from active_perceiver.policies.config import (
+    A3cConfig,
+    DistilConfig,
+    LearnerConfig,
+    MirrorDescentConfig,
+    PpoConfig,
+)
 from active_perceiver.policies.evaluation import (
     Evaluation,
     SearchResult,
@@ -18,6 +24,7 @@ __all__ = [
     "A3cConfig",
     "ActionPolicy",
     "ActionSampler",
+    "DistilConfig",
     "Episode",
     "Evaluation",
     "Learner",

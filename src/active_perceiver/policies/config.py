@@ -12,14 +12,10 @@ from active_perceiver.search.task import SearchError
 class LearnerConfig:
     """What every learner can be told."""
 
-    reward: str = "gain"
-    """What is paid for: a name in `REWARDS`."""
-    gamma: float = 0.95
-    """Discount of rewards per step, 0..1; the paper has 0.99, less makes for shorter paths."""
     learning_rate: float = 1e-3
     """Of Adam, at the start; it falls linearly to a tenth."""
     iterations: int = 100
-    """Most iterations: rounds of finding advantages and fitting the network to them."""
+    """Most iterations: rounds of finding out what is better and fitting the network to it."""
     hidden: int = 512
     """Width of the network's layers."""
     seed: int = 0
@@ -38,14 +34,11 @@ class LearnerConfig:
     """Steps after which a search has failed, in those measurements."""
 
     def __post_init__(self) -> None:
-        reward_named(self.reward)
         for label in ("iterations", "hidden", "threads", "check_every", "check_limit", *self.counts()):
             if getattr(self, label) < 1:
                 raise SearchError(f"{label} must be at least 1, got {getattr(self, label)}")
         if self.patience is not None and self.patience < 1:
             raise SearchError(f"patience must be at least 1 or None, got {self.patience}")
-        if not 0 <= self.gamma < 1:
-            raise SearchError(f"gamma must be at least 0 and less than 1, got {self.gamma}")
         if not self.learning_rate > 0:
             raise SearchError(f"the learning rate must be positive, got {self.learning_rate}")
 
@@ -59,19 +52,53 @@ class LearnerConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MirrorDescentConfig(LearnerConfig):
+class RewardConfig(LearnerConfig):
+    """What a learner that is paid can be told."""
+
+    reward: str = "gain"
+    """What is paid for: a name in `REWARDS`."""
+    gamma: float = 0.95
+    """Discount of rewards per step, 0..1; the paper has 0.99, less makes for shorter paths."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        reward_named(self.reward)
+        if not 0 <= self.gamma < 1:
+            raise SearchError(f"gamma must be at least 0 and less than 1, got {self.gamma}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitConfig(LearnerConfig):
+    """What a learner that fits the network to a table can be told; see `fitting`."""
+
+    fit_steps: int = 24
+    """Steps of Adam per iteration."""
+    batch_states: int = 96
+    """States per step of Adam, in every scene, with all targets each."""
+    averaging: float = 0.0
+    """How much of the running mean of the weights, which is the policy, each step of Adam keeps, 0..1; 0 for the
+    weights as they are."""
+    patience: int | None = 15
+    """Stop once so many measurements in a row have not made the ratio 0.2 % better; None to go on."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 <= self.averaging < 1:
+            raise SearchError(f"averaging must be at least 0 and less than 1, got {self.averaging}")
+
+    def counts(self) -> tuple[str, ...]:
+        """See `LearnerConfig.counts`."""
+        return ("fit_steps", "batch_states")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MirrorDescentConfig(FitConfig, RewardConfig):
     """Settings of `mirror-descent`."""
 
     reward: str = "arrival"
     """What is paid for: a name in `REWARDS`; exact advantages need a reward that depends on the step alone."""
     step_size: float = 40.0
     """How far the policy moves at each iteration: it is fitted to softmax(log policy + step size x advantage)."""
-    fit_steps: int = 24
-    """Steps of Adam per iteration."""
-    batch_states: int = 96
-    """States per step of Adam, in every scene, with all targets each."""
-    patience: int | None = 15
-    """Stop once so many measurements in a row have not made the ratio 0.2 % better; None to go on."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -84,13 +111,22 @@ class MirrorDescentConfig(LearnerConfig):
         if not self.step_size > 0:
             raise SearchError(f"the step size must be positive, got {self.step_size}")
 
-    def counts(self) -> tuple[str, ...]:
-        """See `LearnerConfig.counts`."""
-        return ("fit_steps", "batch_states")
+
+@dataclass(frozen=True, kw_only=True)
+class DistilConfig(FitConfig):
+    """Settings of `distil`, which is shown the shortest paths and so needs no reward."""
+
+    learning_rate: float = 2e-3
+    """Of Adam, at the start; it falls linearly to a tenth."""
+    iterations: int = 100
+    """Most iterations: rounds of `fit_steps` steps of Adam."""
+    averaging: float = 0.95
+    """How much of the running mean of the weights, which is the policy, each step of Adam keeps, 0..1. The learning
+    rate is high: without it single states go wrong again and again, and searches loop there."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class PpoConfig(LearnerConfig):
+class PpoConfig(RewardConfig):
     """Settings of `ppo`."""
 
     iterations: int = 80
@@ -131,7 +167,7 @@ class PpoConfig(LearnerConfig):
 
 
 @dataclass(frozen=True, kw_only=True)
-class A3cConfig(LearnerConfig):
+class A3cConfig(RewardConfig):
     """Settings of `a3c`, as in Zhu et al. (ICRA 2017) and the paper unless said otherwise."""
 
     reward: str = "record"
@@ -184,6 +220,6 @@ class A3cConfig(LearnerConfig):
         return self.area_unit if reward_named(self.reward).pays_area else 1.0
 
 
-def reward_of(config: LearnerConfig) -> Reward:
+def reward_of(config: RewardConfig) -> Reward:
     """The reward a configuration names."""
     return reward_named(config.reward)

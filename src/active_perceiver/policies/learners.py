@@ -9,7 +9,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from active_perceiver.policies.config import A3cConfig, LearnerConfig, MirrorDescentConfig, PpoConfig
+from active_perceiver.policies.config import (
+    A3cConfig,
+    DistilConfig,
+    LearnerConfig,
+    MirrorDescentConfig,
+    PpoConfig,
+)
 from active_perceiver.policies.problem import Problem
 from active_perceiver.search.task import SearchError
 
@@ -81,7 +87,13 @@ LEARNERS: dict[str, Learner] = {
             "mirror-descent",
             MirrorDescentConfig,
             "active_perceiver.policies.mirror_descent:train_mirror_descent",
-            "exact advantages from the scene's transitions; by far the fastest",
+            "exact advantages from the scene's transitions; by far the fastest that is only told a reward",
+        ),
+        Learner(
+            "distil",
+            DistilConfig,
+            "active_perceiver.policies.distil:train_distil",
+            "is shown the shortest paths: the practical upper bound",
         ),
         Learner(
             "ppo",

@@ -8,6 +8,7 @@ the policy pi into softmax(log pi + eta A); the network is fitted to that by a f
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 import torch
@@ -15,8 +16,9 @@ from torch import Tensor
 
 from active_perceiver.policies.advantages import exact_advantages
 from active_perceiver.policies.config import MirrorDescentConfig, reward_of
-from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
-from active_perceiver.policies.network import PolicyNetwork, picture_tensors, seeded_network
+from active_perceiver.policies.fitting import fit_network, state_batches
+from active_perceiver.policies.monitor import Inspect, Progress, Record
+from active_perceiver.policies.network import PolicyNetwork, picture_tensors
 from active_perceiver.policies.problem import Problem
 
 
@@ -40,31 +42,15 @@ def train_mirror_descent(
     Raises:
         SearchError: if there are no problems, or they do not go together.
     """
-    network = seeded_network(problems, config)
-    rng = np.random.default_rng(config.seed)
-    optimiser = torch.optim.Adam(network.parameters(), lr=config.learning_rate, fused=True)
-    monitor = Monitor(problems, config, progress, inspect)
-    for iteration in range(config.iterations):
-        optimiser.param_groups[0]["lr"] = config.learning_rate_at(iteration)
-        # Another picture of each target every time, so that the policy comes to work with all of them.
-        batches = [_improvements(network, problem, config, rng) for problem in problems]
-        for losses in zip(*batches, strict=True):
-            optimiser.zero_grad()
-            torch.stack(losses).mean().backward()
-            optimiser.step()
-        if monitor.finished(network, iteration + 1):
-            break
-    return network, monitor.history
+    return fit_network(problems, config, partial(_improvements, config), progress, inspect)
 
 
 def _improvements(
-    network: PolicyNetwork, problem: Problem, config: MirrorDescentConfig, rng: np.random.Generator
+    config: MirrorDescentConfig, network: PolicyNetwork, problem: Problem, rng: np.random.Generator
 ) -> Iterator[Tensor]:
-    """The losses of one iteration's steps in one scene, each to be minimised before the next is asked for.
-
-    The target of the fit is found when the first is asked for.
-    """
+    """See `fitting.SceneLosses`; the target of the fit is found when the first loss is asked for."""
     task = problem.task
+    # Another picture of each target every time, so that the policy comes to work with all of them.
     pictures = rng.integers(0, problem.observations.pictures, len(task.targets))
     views, targets, masks = picture_tensors(problem, pictures)
     with torch.no_grad():
@@ -73,16 +59,7 @@ def _improvements(
     improved = torch.softmax(log_policy + config.step_size * torch.from_numpy(advantages).float(), dim=-1)
     # Where a search is over, or hopeless, it does not matter what the policy does.
     counts = torch.from_numpy((task.steps > 0).astype(np.float32))
-    for states in _state_batches(len(task), config, rng):
+    for states in state_batches(len(task), config, rng):
         log_fitted, _ = network.table(views[states], targets, masks[states], task.scene)
         cross_entropy = -(improved[states] * log_fitted).sum(dim=-1)
         yield (counts[states] * cross_entropy).sum() / counts[states].sum().clamp(min=1)
-
-
-def _state_batches(states: int, config: MirrorDescentConfig, rng: np.random.Generator) -> Iterator[Tensor]:
-    """`fit_steps` batches of states, going through all of them in random order again and again."""
-    size = min(config.batch_states, states)
-    rounds = -(-config.fit_steps * size // states)
-    order = np.concatenate([rng.permutation(states) for _ in range(rounds)])
-    for step in range(config.fit_steps):
-        yield torch.from_numpy(order[step * size : (step + 1) * size])

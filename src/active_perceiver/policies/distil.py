@@ -1,0 +1,98 @@
+"""Distillation: the network is fitted to the actions that lie on shortest paths. The practical upper bound.
+
+No reward says what is good; a scene's transitions tell which actions bring a search nearer to its goal, and there are
+often several. The loss is -log of the probability that the policy takes any of them, which leaves the choice among
+them to the network. Cross-entropy to the uniform distribution over them wants more than a search needs, all of them
+alike: to come within 1.02 x the shortest paths it takes a quarter more steps in kitchen_1, and two to five times as
+many in toy scenes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from active_perceiver.policies.config import DistilConfig
+from active_perceiver.policies.fitting import fit_network, state_batches
+from active_perceiver.policies.monitor import Inspect, Progress, Record
+from active_perceiver.policies.network import PolicyNetwork
+from active_perceiver.policies.problem import Problem
+from active_perceiver.search.task import SearchTask
+
+
+def train_distil(
+    problems: Sequence[Problem],
+    config: DistilConfig,
+    progress: Progress | None = None,
+    inspect: Inspect | None = None,
+) -> tuple[PolicyNetwork, list[Record]]:
+    """Train a policy for one or several scenes.
+
+    Args:
+        problems: one per scene, with features of one backbone.
+        config: see `DistilConfig`.
+        progress: is called with every record of the history.
+        inspect: is shown every record with the policy tables it measures.
+
+    Returns:
+        The network and the history, see `Monitor`.
+
+    Raises:
+        SearchError: if there are no problems, or they do not go together.
+    """
+    return fit_network(problems, config, partial(_batch_losses, config), progress, inspect)
+
+
+def optimal_actions(task: SearchTask, states: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Which actions are the first of a shortest path to a goal.
+
+    Args:
+        task: the search.
+        states: (n,) indices.
+
+    Returns:
+        (n, T, A); none at goals, and none where no way leads to one.
+    """
+    steps = task.steps[states]
+    nearer = task.steps[task.transitions[states]] == steps[:, None] - 1  # (n, A, T)
+    return nearer.transpose(0, 2, 1) & (steps > 0)[..., None]
+
+
+def distillation_loss(log_policy: Tensor, optimal: Tensor) -> Tensor:
+    """Mean of -log of the probability of an optimal action, over the pairs of a state and a target that have one.
+
+    Args:
+        log_policy: (n, T, A) log probabilities.
+        optimal: (n, T, A) bool.
+
+    Returns:
+        (), 0 if no pair has an optimal action.
+    """
+    searching = optimal.any(dim=-1)
+    among_optimal = log_policy[searching].masked_fill(~optimal[searching], -torch.inf)
+    return -torch.logsumexp(among_optimal, dim=-1).sum() / searching.sum().clamp(min=1)
+
+
+def _batch_losses(
+    config: DistilConfig, network: PolicyNetwork, problem: Problem, rng: np.random.Generator
+) -> Iterator[Tensor]:
+    """See `fitting.SceneLosses`."""
+    task, seen = problem.task, problem.observations
+    index = np.arange(len(task.targets))
+    for batch in state_batches(len(task), config, rng):
+        states = batch.numpy()
+        # Another picture of each target for every batch, so that the policy comes to work with all of them.
+        pictures = rng.integers(0, seen.pictures, len(index))
+        # Only the batch's rows: a scene may have many states.
+        log_policy, _ = network.table(
+            torch.from_numpy(seen.view_features[states]),
+            torch.from_numpy(seen.target_features[index, pictures]),
+            torch.from_numpy(seen.masks[states[:, None], index, pictures]),
+            task.scene,
+        )
+        yield distillation_loss(log_policy, torch.from_numpy(optimal_actions(task, states)))
