@@ -116,10 +116,20 @@ def test_curves_entropy_and_paths_hold_what_they_show(folder):
         assert row["mean_entropy"]["start"] == pytest.approx(np.log(6), abs=0.02)
         assert max(row["mean_entropy"].values()) <= entropy["most"] == pytest.approx(np.log(6))
     paths = read(folder / "trajectories.json")
-    assert len(paths["searches"]) == 2 * 4
+    assert len(paths["searches"]) == 2 * 2 * 4  # learners, targets, starts
+    assert len(paths["stuck"]) == 2 * 2
+    assert all(0 < some["share"] <= 1 and some["area"] < 1.5 for some in paths["stuck"])  # they are not yet trained
     assert all(path["actions"] >= path["shortest"] > 0 for path in paths["searches"] if path["success"])
     for name in ("curves", "entropy", "trajectories"):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_who_is_stuck_agrees_with_the_exact_success(folder):
+    [path] = folder.glob("cells/four_objects-record_low-ppo-0-*.json")
+    success = [target["success"] for target in read(path)["exact"]["per_target"]]
+    stuck = [some for some in read(folder / "trajectories.json")["stuck"] if "ppo" in some["cell"]]
+    # The stored policy is rounded, hence not quite the same.
+    np.testing.assert_allclose([1 - some["share"] for some in stuck], success, atol=0.02)
 
 
 def test_another_setting_is_another_cell(tmp_path):

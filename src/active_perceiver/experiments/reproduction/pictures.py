@@ -19,8 +19,9 @@ from active_perceiver.figures.entropy_map import entropy_maps
 from active_perceiver.figures.floor import SearchPanel, figure_png, trajectory_panels
 from active_perceiver.figures.learning_curves import Curve, learning_curves
 from active_perceiver.files import replacing
-from active_perceiver.policies.chain import entropies
+from active_perceiver.policies.chain import checked_table, entropies, policy_chain
 from active_perceiver.policies.sampling import Episode, run_episode
+from active_perceiver.search.task import SearchTask
 
 # Searches drawn for each target, and the actions after which one is given up in the picture.
 PATHS = 4
@@ -92,7 +93,8 @@ def entropy(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, 
         most = float(np.log(tables["start"][scene].shape[-1]))
         # Rounding must not push a random walk above the most that is possible.
         by_moment = [np.minimum(entropies(tables[moment][scene]).mean(axis=1), most) for moment in MOMENTS]
-        rows[f"entropy weight {METHODS[cell.method].entropy_weight:g}"] = by_moment
+        label = f"{LEARNER_LABELS[cell.learner]}, weight {METHODS[cell.method].entropy_weight:g}"
+        rows[label] = by_moment
         means = {moment: float(some.mean()) for moment, some in zip(MOMENTS, by_moment, strict=True)}
         iterations = [record["iteration"] for record in cells.result(cell)["history"]]
         body["rows"].append({"cell": cell.name, "iterations": iterations[-1], "mean_entropy": means})
@@ -100,28 +102,55 @@ def entropy(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, 
 
 
 def trajectories(needed: Sequence[Cell], cells: Cells, sights: Sights, scale: Scale, out: Path) -> None:
-    """Searches from above for each target, by the policy of the last cell, which explores least."""
-    cell = needed[-1]
-    [(scene_name, table)] = cells.tables(cell)["end"].items()
-    [problem] = cells.problems(cell)
-    scene, task = sights.scene(scene_name), problem.task
-    rng = np.random.default_rng(cell.seed)
-    panels, searches = [], []
-    for target, name in enumerate(task.targets):
-        starts = _far_apart(scene.poses, task.starts(target), rng)
-        found = [run_episode(table, task, target, int(start), rng, PATH_LIMIT) for start in starts]
-        searches += [_search(name, episode, task.steps[episode.states[0], target]) for episode in found]
-        lengths = ", ".join(str(len(episode)) if episode.success else "not found" for episode in found)
-        paths = [scene.poses[episode.states] for episode in found]
-        panels.append(SearchPanel(f"{name}: {lengths}", paths, task.goals[:, target]))
-    body = {"cell": cell.name, "boxes": sights.boxes, "limit": PATH_LIMIT, "searches": searches}
+    """Searches from above for each target, by the policies that explore least."""
+    panels, searches, stuck = [], [], []
+    for cell in (cell for cell in needed if cell.method == "record_low"):
+        [(scene_name, table)] = cells.tables(cell)["end"].items()
+        [problem] = cells.problems(cell)
+        scene, task = sights.scene(scene_name), problem.task
+        rng = np.random.default_rng(cell.seed)
+        for target, name in enumerate(task.targets):
+            starts = _far_apart(scene.poses, task.starts(target), rng)
+            found = [run_episode(table, task, target, int(start), rng, PATH_LIMIT) for start in starts]
+            searches += [_search(cell, name, episode, task.steps[episode.states[0], target]) for episode in found]
+            stuck.append({"cell": cell.name, "target": name, **where_stuck(table, task, target, scale.limit)})
+            lengths = ", ".join(str(len(episode)) if episode.success else "-" for episode in found)
+            paths = [scene.poses[episode.states] for episode in found]
+            title = f"{LEARNER_LABELS[cell.learner]}, {name}: {lengths}"
+            panels.append(SearchPanel(title, paths, task.goals[:, target]))
+    body = {"boxes": sights.boxes, "limit": PATH_LIMIT, "searches": searches, "stuck": stuck}
     _write(out, "trajectories", body, trajectory_panels(scene, panels))
 
 
-def _search(target: str, episode: Episode, shortest: Any) -> dict[str, Any]:
+def where_stuck(table: NDArray[np.floating], task: SearchTask, target: int, limit: int) -> dict[str, float | None]:
+    """What searches that have not arrived after `limit` actions are looking at.
+
+    Args:
+        table: (S, T, A) probabilities of actions.
+        task: the search.
+        target: index of the target.
+        limit: actions.
+
+    Returns:
+        `share` of all starts that are still searching, and the `area` of the target in their views then, as a
+        fraction of the smallest that makes a goal (mean; None if the share is 0).
+    """
+    among = task.steps[:, target] > 0
+    chain = policy_chain(task, checked_table(table, task)[:, target], among)
+    still = np.full(chain.shape[0], 1 / chain.shape[0])
+    for _ in range(limit):
+        still = still @ chain
+    share = float(still.sum())
+    if share < 1e-6:
+        return {"share": 0.0, "area": None}
+    seen = task.areas[among, target] / task.goal_areas[target]
+    return {"share": share, "area": float(still @ seen) / share}
+
+
+def _search(cell: Cell, target: str, episode: Episode, shortest: Any) -> dict[str, Any]:
     return {
-        "target": target, "start": int(episode.states[0]), "actions": len(episode), "success": episode.success,
-        "shortest": int(shortest),
+        "cell": cell.name, "target": target, "start": int(episode.states[0]), "actions": len(episode),
+        "success": episode.success, "shortest": int(shortest),
     }  # fmt: skip
 
 

@@ -95,7 +95,7 @@ def _curve_cells(settings: ReproduceSettings, scale: Scale) -> list[Cell]:
 
 
 def _picture_cells(settings: ReproduceSettings, scale: Scale) -> list[Cell]:
-    return cells_of(("four_objects",), RECORD, settings.learners[:1], 1)
+    return cells_of(("four_objects",), RECORD, settings.learners, 1)
 
 
 def _choice_cells(settings: ReproduceSettings, scale: Scale) -> list[Cell]:
