@@ -238,7 +238,9 @@ class TestSideBySide:
         path, here = tmp_path / "checkpoint", Path(__file__).parent
         script = tmp_path / "train.py"
         script.write_text(
-            "import sys\n"
+            "import signal, sys\n"
+            # A process started in the background of a script inherits that Ctrl-C is ignored.
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
             f"sys.path[:0] = [{str(here)!r}, {str(here.parent)!r}]\n"
             "from pathlib import Path\n"
             "from problems import toy_problem\n"
@@ -252,9 +254,13 @@ class TestSideBySide:
             [sys.executable, str(script)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
             text=True,
         )  # fmt: skip
-        assert process.stdout.readline() == "measured\n"
-        os.killpg(process.pid, signal.SIGINT)
-        _, errors = process.communicate(timeout=60)
+        try:
+            assert process.stdout.readline() == "measured\n"
+            os.killpg(process.pid, signal.SIGINT)
+            _, errors = process.communicate(timeout=60)
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
         assert "KeyboardInterrupt" in errors
         assert process.returncode != 0
         assert path.is_file()

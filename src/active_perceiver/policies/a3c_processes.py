@@ -75,7 +75,9 @@ def live_side_by_side(
             if kind == "end":
                 running -= 1
                 continue
-            yield tuple(message)
+            number, steps = message
+            # As of now, not of when the message was sent: with many workers they wait to be read.
+            yield number, steps, updates.value
     finally:
         stop.set()
         _end(processes, messages)
@@ -119,7 +121,7 @@ def _live(
         # A worker whose parent was killed must not go on for ever.
         while not stop.is_set() and updates.value < most and (parent is None or parent.is_alive()):
             steps = worker.episode(shared, lambda: None if stop.is_set() else _next_update(updates, most))
-            messages.put(("episode", worker.number, steps, updates.value))
+            messages.put(("episode", worker.number, steps))
         messages.put(("end",))
     except BaseException:
         messages.put(("crash", traceback.format_exc()))
