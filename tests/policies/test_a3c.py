@@ -214,8 +214,11 @@ class TestSideBySide:
         path = tmp_path / "checkpoint"
         start = [problem_table(seeded_network(problems, config), some)[0] for some in problems]
         network, history = train_a3c(problems, config, checkpoint=path)
-        assert history[-1]["iteration"] == 60
-        assert len(history) == 3
+        iterations = [record["iteration"] for record in history]
+        assert iterations[-1] == 60
+        # Workers do not wait for a measurement, so there may be fewer than three.
+        assert min(np.diff([0, *iterations])) > 0
+        assert len(iterations) <= 3
         for some, before in zip(problems, start, strict=True):
             assert not np.array_equal(problem_table(network, some)[0], before)
         assert path.is_file()
