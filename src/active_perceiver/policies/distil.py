@@ -20,7 +20,7 @@ from torch import Tensor
 from active_perceiver.policies.config import DistilConfig
 from active_perceiver.policies.fitting import fit_network, state_batches
 from active_perceiver.policies.monitor import Inspect, Progress, Record
-from active_perceiver.policies.network import PolicyNetwork
+from active_perceiver.policies.network import PolicyNetwork, picture_tensors
 from active_perceiver.policies.problem import Problem
 from active_perceiver.search.task import SearchTask
 
@@ -82,17 +82,11 @@ def _batch_losses(
     config: DistilConfig, network: PolicyNetwork, problem: Problem, rng: np.random.Generator
 ) -> Iterator[Tensor]:
     """See `fitting.SceneLosses`."""
-    task, seen = problem.task, problem.observations
-    index = np.arange(len(task.targets))
+    task = problem.task
     for batch in state_batches(len(task), config, rng):
         states = batch.numpy()
         # Another picture of each target for every batch, so that the policy comes to work with all of them.
-        pictures = rng.integers(0, seen.pictures, len(index))
+        pictures = rng.integers(0, problem.observations.pictures, len(task.targets))
         # Only the batch's rows: a scene may have many states.
-        log_policy, _ = network.table(
-            torch.from_numpy(seen.view_features[states]),
-            torch.from_numpy(seen.target_features[index, pictures]),
-            torch.from_numpy(seen.masks[states[:, None], index, pictures]),
-            task.scene,
-        )
+        log_policy, _ = network.table(*picture_tensors(problem, pictures, states), task.scene)
         yield distillation_loss(log_policy, torch.from_numpy(optimal_actions(task, states)))

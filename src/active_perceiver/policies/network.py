@@ -162,14 +162,23 @@ def problem_table(
     return log_probabilities.exp().numpy(), values.numpy()
 
 
-def picture_tensors(problem: Problem, pictures: int | NDArray[np.integer]) -> tuple[Tensor, Tensor, Tensor]:
-    """The views (S, D), and for one picture of each target the features (T, D) and masks (S, T, 25)."""
+def picture_tensors(
+    problem: Problem, pictures: int | NDArray[np.integer], states: NDArray[np.integer] | None = None
+) -> tuple[Tensor, Tensor, Tensor]:
+    """The views (n, D), and for one picture of each target the features (T, D) and masks (n, T, 25).
+
+    Args:
+        problem: of S states and T targets.
+        pictures: which picture each target is asked for with: one number for all, or (T,).
+        states: (n,) which states; all if None.
+    """
     seen = problem.observations
     index = np.arange(len(problem.task.targets))
+    masks = seen.masks[:, index, pictures] if states is None else seen.masks[states[:, None], index, pictures]
     return (
-        torch.from_numpy(seen.view_features),
+        torch.from_numpy(seen.view_features if states is None else seen.view_features[states]),
         torch.from_numpy(seen.target_features[index, pictures]),
-        torch.from_numpy(seen.masks[:, index, pictures]),
+        torch.from_numpy(masks),
     )
 
 
