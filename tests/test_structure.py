@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "active_perceiver"
 
 # What each folder or module may import from the package, besides itself and the leaves below.
-LEAVES = {"__init__", "errors", "files", "progress"}
+LEAVES = {"averaging", "__init__", "errors", "files", "memory", "progress"}
 ALLOWED = {
     "scenes": set(),
     "vision": {"scenes"},
@@ -33,7 +33,7 @@ ALLOWED = {
 }  # fmt: skip
 
 FILES = sorted(PACKAGE.rglob("*.py"))
-HEAVY = {"torch", "embreex", "mitsuba_oidn", "onnx", "onnxscript", "safetensors"}
+HEAVY = {"torch", "embreex", "mitsuba_oidn", "onnx", "onnxscript", "safetensors", "stable_baselines3"}
 
 
 def unit_of(path: Path) -> str:

@@ -104,6 +104,8 @@ class Search:
     """Give up after so many seconds."""
     seed: int | None = None
     """The start and the agent's draws follow from it."""
+    threads: int | None = None
+    """CPU threads of the agent; one per core if not given."""
     out: Path | None = None
     """Write search.mp4, path.png, final.png and search.json into this folder."""
     force: bool = False
@@ -114,9 +116,31 @@ class Search:
 
         found = search_command(
             self.agent, self.picture, self.robot, start=self.start, branch=self.branch, max_steps=self.max_steps,
-            max_seconds=self.max_seconds, seed=self.seed, out=self.out, force=self.force,
+            max_seconds=self.max_seconds, seed=self.seed, threads=self.threads, out=self.out, force=self.force,
         )  # fmt: skip
         return 0 if found else 1
+
+
+@dataclass
+class Pretrain:
+    """Weights for recognisers to start from."""
+
+    scenes: tuple[str, ...]
+    """Bundled names or scene files; none of the rooms that recognisers will be trained in."""
+    out: Path
+    """The safetensors file."""
+    steps: int = 4000
+    """Training steps."""
+    seed: int = 0
+    """Everything random follows from it."""
+    force: bool = False
+    """Replace an existing file."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.pretraining import pretrain
+
+        pretrain(self.scenes, self.out, steps=self.steps, seed=self.seed, force=self.force)
+        return 0
 
 
 @dataclass
@@ -182,6 +206,16 @@ Command = (
         ),
     ]
     | Annotated[
+        Pretrain,
+        subcommand(
+            "pretrain",
+            description=help_text(
+                "Train the weights that recognisers of other rooms start from.",
+                "pretrain --scenes rooms/kitchen_101.h5 rooms/living_room_101.h5 --out weights.safetensors",
+            ),
+        ),
+    ]
+    | Annotated[
         Evaluate,
         subcommand(
             "evaluate",
@@ -207,7 +241,8 @@ Command = (
         Benchmark,
         subcommand(
             "benchmark",
-            description="How fast it is on this machine: render, env, act (each has its own --help).",
+            description="How fast and how good it is: act, env, policies, render, robustness, scale, train (each has "
+            "its own --help).",
         ),
     ]
     | Annotated[

@@ -10,7 +10,13 @@ from typing import Annotated, Any
 from tyro.conf import OmitArgPrefixes, Positional, subcommand
 
 from active_perceiver.cli_scenes import help_text
-from active_perceiver.experiments.benchmarks.settings import ActSpeedSettings
+from active_perceiver.experiments.benchmarks.settings import (
+    ActSpeedSettings,
+    PolicySettings,
+    RobustnessSettings,
+    ScaleSettings,
+    TrainSpeedSettings,
+)
 
 
 @dataclass
@@ -96,6 +102,96 @@ class BenchmarkAct:
         return 0
 
 
+@dataclass
+class BenchmarkRobustness:
+    """What becomes of success when an agent sees something else than it was trained on."""
+
+    agent: Positional[Path]
+    """Folder of the agent; it is measured in the scenes and with the pictures it was trained with."""
+    settings: OmitArgPrefixes[RobustnessSettings] = field(default_factory=RobustnessSettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+    resume: bool = False
+    """Keep what an interrupted run with the same --work has measured."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.robustness import robustness_command
+
+        robustness_command(
+            self.agent, self.settings, _render_again, self.out, self.picture, force=self.force, resume=self.resume
+        )
+        return 0
+
+
+@dataclass
+class BenchmarkTrain:
+    """How long learners take to a policy that always arrives, by short ways."""
+
+    settings: OmitArgPrefixes[TrainSpeedSettings] = field(default_factory=TrainSpeedSettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+    resume: bool = False
+    """Go on after the trainings that an interrupted run has finished."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.train_speed import train_speed_command
+
+        train_speed_command(self.settings, self.out, self.picture, force=self.force, resume=self.resume)
+        return 0
+
+
+@dataclass
+class BenchmarkPolicies:
+    """How good trained policies are, and how long that takes, in many rooms and with many seeds."""
+
+    agents: Positional[tuple[Path, ...]]
+    """Folders of agents: each one's recogniser, scenes and targets are a setup. Their policies are not used."""
+    settings: OmitArgPrefixes[PolicySettings] = field(default_factory=PolicySettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+    resume: bool = False
+    """Go on after the trainings that an interrupted run has finished."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.policies import policies_command
+
+        policies_command(self.agents, self.settings, self.out, self.picture, force=self.force, resume=self.resume)
+        return 0
+
+
+@dataclass
+class BenchmarkScale:
+    """What training costs in time and memory, as scenes get more and larger."""
+
+    settings: OmitArgPrefixes[ScaleSettings] = field(default_factory=ScaleSettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+    resume: bool = False
+    """Go on after the trainings that an interrupted run has finished."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.scale import scale_command
+
+        scale_command(self.settings, self.out, self.picture, force=self.force, resume=self.resume)
+        return 0
+
+
 BenchmarkCommand = (
     Annotated[
         BenchmarkRender,
@@ -132,6 +228,55 @@ BenchmarkCommand = (
             ),
         ),
     ]
+    | Annotated[
+        BenchmarkTrain,
+        subcommand(
+            "train",
+            description=help_text(
+                "How long learners take to a policy that always arrives, in at most 1.25 x the fewest steps, and "
+                "steps per second: this project's, and stable-baselines3's with the same network and environment.",
+                "benchmark train --out train.json --picture train.png",
+                "benchmark train --learners mirror-descent sb3-ppo --seeds 1",
+            ),
+        ),
+    ]
+    | Annotated[
+        BenchmarkScale,
+        subcommand(
+            "scale",
+            description=help_text(
+                "What training a policy costs in time and memory, as scenes get more and larger: synthetic scenes of "
+                "any size, each training in a process of its own.",
+                "benchmark scale --out scale.json --picture scale.png",
+                "benchmark scale --scenes 1 4 --states 200 --learners distil ppo --seconds 20",
+            ),
+        ),
+    ]
+    | Annotated[
+        BenchmarkRobustness,
+        subcommand(
+            "robustness",
+            description=help_text(
+                "What becomes of success when an agent sees something else than it was trained on: noise, blur, "
+                "other light, moved objects, missing and wrong detections. Rooms are rendered again for some of it "
+                "(needs the `rooms` extra).",
+                "benchmark robustness kitchen_agent --out robustness.json --picture robustness.png",
+                "benchmark robustness kitchen_agent --conditions 'noise 25' dusk --searches 50",
+            ),
+        ),
+    ]
+    | Annotated[
+        BenchmarkPolicies,
+        subcommand(
+            "policies",
+            description=help_text(
+                "How good policies are that are trained with the default settings, in the rooms of some agents and "
+                "by what their recognisers see: success, ratio to the shortest paths, seconds; the worst seed too.",
+                "benchmark policies kitchen_agent --out policies.json --picture policies.png",
+                "benchmark policies kitchen_agent office_agent --learners mirror-descent ppo --seeds 3",
+            ),
+        ),
+    ]
 )
 
 
@@ -156,3 +301,9 @@ def _time_room(views: int, job: tuple[str, int]) -> dict[str, Any]:
 
     layout, _ = job
     return measure_rendering(lambda: make_room(*job), views, settings=DEFAULT_SETTINGS.get(layout))
+
+
+def _render_again(scene: Any, out: Path, hour: str | None, moved: int | None) -> None:
+    from active_perceiver.rooms.capturing.rendering import origin_of, render_scene
+
+    render_scene(*origin_of(scene), out, resume=True, hour=hour, moved=moved)

@@ -85,8 +85,14 @@ class ScenesRender:
     """The room follows from it: the same seed gives the same scene."""
     count: int | None = None
     """Make so many rooms, of this seed and those after it."""
+    hour: str | None = None
+    """The same room at another hour: morning, noon, afternoon, low sun, overcast or dusk; left to the seed if not
+    given."""
+    moved: int | None = None
+    """The same room with the same things lying elsewhere; each number (1, 2, ...) is another arrangement."""
     out: Path | None = None
-    """The scene file to write, LAYOUT_SEED.h5 if not given; with --count the folder for them, here if not given."""
+    """The scene file to write, LAYOUT_SEED.h5 if not given (LAYOUT_SEED_hour_dusk.h5, LAYOUT_SEED_moved_1.h5); with
+    --count the folder for them, here if not given."""
     image_size: int | None = None
     """Side of the views in pixels; the layout's own (300) if not given."""
     spacing: float | None = None
@@ -102,7 +108,7 @@ class ScenesRender:
 
     def run(self) -> int:
         from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureSettings
-        from active_perceiver.rooms.capturing.rendering import render_scene, render_scenes
+        from active_perceiver.rooms.capturing.rendering import default_name, render_scene, render_scenes
 
         if self.count is not None and self.count < 1:
             raise UserError(f"--count must be at least 1, got {self.count}")
@@ -112,16 +118,16 @@ class ScenesRender:
             **{name: value for name, value in given.items() if value is not None},
         )
         if self.count is None:
-            path = self.out or Path(f"{self.layout}_{self.seed}.h5")
+            path = self.out or Path(default_name(self.layout, self.seed, self.hour, self.moved))
             timing = render_scene(
                 self.layout, self.seed, path, force=self.force, resume=self.resume, workers=self.workers,
-                settings=settings,
+                settings=settings, hour=self.hour, moved=self.moved,
             )  # fmt: skip
             print(f"scene: {path}\n{timing.text()}")
             return 0
         rendered = render_scenes(
             self.layout, range(self.seed, self.seed + self.count), self.out or Path(), force=self.force,
-            resume=self.resume, workers=self.workers, settings=settings,
+            resume=self.resume, workers=self.workers, settings=settings, hour=self.hour, moved=self.moved,
         )  # fmt: skip
         for path, taken in rendered:
             print(f"scene: {path}\n{taken.text() if taken else 'was there'}")
@@ -267,6 +273,8 @@ ScenesCommand = (
                 "interruption.",
                 "scenes render kitchen --seed 1 --out my_kitchen.h5",
                 "scenes render living_room --seed 10 --count 5 --out rooms --resume",
+                "scenes render kitchen --seed 1 --hour dusk",
+                "scenes render kitchen --seed 1 --moved 2",
             ),
         ),
     ]

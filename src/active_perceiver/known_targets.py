@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Protocol
 
@@ -10,10 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from active_perceiver.agent_config import AgentConfig, AgentError, KnownTarget, SearchKind, picture_folder
+from active_perceiver.files import replacing
 from active_perceiver.policies.restless import unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import read_image
 from active_perceiver.vision.backbone import Backbone, pooled, pooled_middle
+
+CODES_FILE = "known_codes.npz"
+"""Where an agent keeps the codes of its targets' pictures. Without it, its first search takes longer to begin."""
+
+RECOGNISER_FILE = "recogniser.onnx"
 
 UNKNOWN_SCORE = 0.99
 """Least presence probability for saying found when the picture shows none of the targets an agent was trained for."""
@@ -39,7 +47,10 @@ class FoundCriterion:
 class KnownTargets:
     """The targets an agent was trained for, told apart by their pictures: how close it has to get to each.
 
-    Pictures are compared by the recogniser's codes of them, which were learned to tell objects apart.
+    Pictures are compared by the recogniser's codes of them, which were learned to tell objects apart. Computing the
+    codes of all pictures takes as long as dozens of actions, so an agent is saved with them: `CODES_FILE` holds an
+    array for each target, named by a fingerprint of all that it was computed from. What is not there under the name
+    that it should have, is computed.
     """
 
     def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, recogniser: Recogniser) -> None:
@@ -47,22 +58,55 @@ class KnownTargets:
         self._config = config
         self._backbone = backbone
         self._recogniser = recogniser
+        self._stored: dict[str, NDArray[np.float32]] | None = None
         self._codes: dict[KnownTarget, NDArray[np.float32]] = {}
 
     def codes(self, target: KnownTarget) -> NDArray[np.float32]:
-        """(K, D) float32 unit vectors, one a picture; computed when first asked for.
+        """(K, D) float32 unit vectors, one a picture; read or computed when first asked for.
 
         Raises:
             AgentError: if the agent's folder holds no picture of the target.
         """
         if target not in self._codes:
-            pictures = picture_folder(self._folder, target.scene, target.name)
-            files = sorted(pictures.glob("*"))
-            if not files:
-                raise AgentError(f"{pictures} holds no pictures; copy the whole agent")
-            maps = self._backbone.maps([read_image(file) for file in files])
-            self._codes[target] = unit_vectors(self._recogniser.encode_target(maps))
+            if self._stored is None:
+                self._stored = _read_codes(self._folder / CODES_FILE)
+            files = self._pictures(target)
+            stored = self._stored.get(self._fingerprint(files))
+            self._codes[target] = self._compute(files) if stored is None else stored
         return self._codes[target]
+
+    def save_codes(self) -> None:
+        """Write `CODES_FILE`, atomically, for all targets.
+
+        Raises:
+            AgentError: if the agent's folder holds no picture of a target.
+        """
+        codes = {self._fingerprint(self._pictures(target)): self.codes(target) for target in self._config.targets}
+        with replacing(self._folder / CODES_FILE) as temporary:
+            np.savez(temporary, allow_pickle=False, **codes)
+
+    def _pictures(self, target: KnownTarget) -> list[Path]:
+        pictures = picture_folder(self._folder, target.scene, target.name)
+        files = sorted(pictures.glob("*"))
+        if not files:
+            raise AgentError(f"{pictures} holds no pictures; copy the whole agent")
+        return files
+
+    def _compute(self, files: list[Path]) -> NDArray[np.float32]:
+        maps = self._backbone.maps([read_image(file) for file in files])
+        return unit_vectors(self._recogniser.encode_target(maps))
+
+    def _fingerprint(self, files: list[Path]) -> str:
+        """Names backbone, recogniser and pictures: codes with the same fingerprint are the same."""
+        digest = self._networks.copy()
+        for file in files:
+            digest.update(hashlib.sha256(file.read_bytes()).digest())
+        return digest.hexdigest()[:16]
+
+    @cached_property
+    def _networks(self) -> hashlib._Hash:
+        recogniser = (self._folder / RECOGNISER_FILE).read_bytes()
+        return hashlib.sha256(self._backbone.fingerprint.encode() + recogniser)
 
     def match(self, code: NDArray[np.float32], scene: str) -> KnownTarget | None:
         """The target of a scene whose pictures are most like the one with this code; None if none is alike.
@@ -96,6 +140,15 @@ class KnownTargets:
         return FoundCriterion(self._config.score_threshold, match.found_area)
 
 
+def _read_codes(path: Path) -> dict[str, NDArray[np.float32]]:
+    """What is in a `CODES_FILE`; nothing if it is missing or damaged, for everything in it can be computed."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except Exception:  # a damaged file makes numpy and zipfile raise exceptions of many kinds
+        return {}
+
+
 @dataclass(frozen=True)
 class Sight:
     """What an agent makes of one image, apart from what to do next.
@@ -118,8 +171,8 @@ class Seeker(Protocol):
 
     files: ClassVar[tuple[str, ...]]
 
-    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone) -> None:
-        """Load what it needs."""
+    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None) -> None:
+        """Load what it needs; what runs, runs on so many CPU threads, None for one per core."""
 
     def begin(self, maps: NDArray[np.float32], branch: str) -> NDArray[np.float32]:
         """Begin a search in a scene with a picture's (1, C, h, w) maps; (1, D) target features for the policy."""
@@ -137,11 +190,11 @@ class ObjectSeeker:
         criterion: when it says found in the current search.
     """
 
-    files: ClassVar[tuple[str, ...]] = ("recogniser.onnx",)
+    files: ClassVar[tuple[str, ...]] = (RECOGNISER_FILE,)
     criterion: FoundCriterion
 
-    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone) -> None:
-        self.recogniser = Recogniser(folder / "recogniser.onnx")
+    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None) -> None:
+        self.recogniser = Recogniser(folder / RECOGNISER_FILE, threads)
         self.known = KnownTargets(folder, config, backbone, self.recogniser)
         self._score_threshold = config.score_threshold
 
@@ -165,7 +218,7 @@ class ViewSeeker:
 
     files: ClassVar[tuple[str, ...]] = ()
 
-    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone) -> None:
+    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None) -> None:
         self._found_similarity = config.found_similarity
 
     def begin(self, maps: NDArray[np.float32], branch: str) -> NDArray[np.float32]:

@@ -15,7 +15,7 @@ from active_perceiver.known_targets import SEEKERS, FoundCriterion, KnownTargets
 from active_perceiver.policies.policy import Policy
 from active_perceiver.policies.restless import ALIKE, restless, unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
-from active_perceiver.scenes import Action, read_image
+from active_perceiver.scenes import Action, decode_image, read_image
 from active_perceiver.search.location import location_mask
 from active_perceiver.vision.backbone import Backbone, load_backbone, pooled
 
@@ -48,32 +48,36 @@ class ActivePerceiver:
         policy: how it gets there.
     """
 
-    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone) -> None:
+    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None = None) -> None:
         """Load the networks of an agent folder; `from_pretrained` is the usual way in."""
         self.folder = folder
         self.config = config
         self.backbone = backbone
-        self.seeker: Seeker = SEEKERS[config.task](folder, config, backbone)
+        self.seeker: Seeker = SEEKERS[config.task](folder, config, backbone, threads)
+        # It runs on one thread whatever is allowed: one observation is too little work to share.
         self.policy = Policy(folder / "policy.onnx")
         self._branch = ""
 
     @classmethod
-    def from_pretrained(cls, folder: Path | str) -> ActivePerceiver:
+    def from_pretrained(cls, folder: Path | str, threads: int | None = None) -> ActivePerceiver:
         """Load an agent.
 
         Args:
             folder: made by `active-perceiver train` or `save_pretrained`.
+            threads: CPU threads that an action may take; None for one per core.
 
         Raises:
-            AgentError: if the folder is no agent or lacks a file.
+            AgentError: if the folder is no agent or lacks a file, or `threads` is less than 1.
             BackboneError: if the backbone is neither in the folder nor in the cache and cannot be made here.
         """
+        if threads is not None and threads < 1:
+            raise AgentError(f"an agent needs at least 1 thread, got {threads}; leave it out for one per core")
         folder = Path(folder)
         config = AgentConfig.load(folder)
         for name in (*SEEKERS[config.task].files, "policy.onnx"):
             if not (folder / name).is_file():
                 raise AgentError(f"{folder} lacks {name}; train the agent again, or copy the whole folder")
-        return cls(folder, config, load_backbone(config.backbone, folder, image_size=config.image_size))
+        return cls(folder, config, load_backbone(config.backbone, folder, config.image_size, threads), threads)
 
     def save_pretrained(self, folder: Path | str) -> None:
         """Copy the agent to a new folder; it appears there whole or not at all.
@@ -160,16 +164,20 @@ class ActivePerceiver:
         self._random = np.random.default_rng(seed)
         self._looks: list[NDArray[np.float32]] = []
 
-    def act(self, image: NDArray[np.uint8]) -> Step:
+    def act(self, image: NDArray[np.uint8] | bytes) -> Step:
         """Look at one image and decide.
 
         Args:
-            image: (H, W, 3) uint8 RGB, what the robot sees now.
+            image: what the robot sees now: (H, W, 3) uint8 RGB, or encoded, as a camera's JPEG is, which is the
+                faster way because it is decoded no larger than the backbone needs it.
 
         Raises:
             AgentError: before the first `reset`.
+            ImageError: if an encoded image cannot be read.
         """
         self._check_reset()
+        if isinstance(image, bytes):
+            image = decode_image(image, "the robot's image", self.backbone.image_size)
         maps = self.backbone.maps([image])
         sight = self.seeker.look(maps)
         mask = location_mask(np.full(4, np.nan) if sight.detection is None else sight.detection.box)

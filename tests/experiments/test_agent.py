@@ -14,11 +14,12 @@ from PIL import Image
 from active_perceiver.agent_config import AgentConfig, AgentError
 from active_perceiver.experiments.evaluating import agent_sightings
 from active_perceiver.files import OutputExistsError
-from active_perceiver.known_targets import UNKNOWN_SCORE, FoundCriterion
+from active_perceiver.known_targets import CODES_FILE, UNKNOWN_SCORE, FoundCriterion
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.robots import RecordedRobot, search
-from active_perceiver.scenes import ImageError
+from active_perceiver.scenes import ImageError, decode_image
+from active_perceiver.scenes.images import encode_image
 from active_perceiver.search.task import SearchTask
 
 pytestmark = pytest.mark.xdist_group("agent")
@@ -180,6 +181,123 @@ def test_save_pretrained_copies_and_does_not_overwrite(agent, scene, tmp_path):
     np.testing.assert_array_equal(agent.act(scene.view(9)).probabilities, copy.act(scene.view(9)).probabilities)
     with pytest.raises(OutputExistsError):
         agent.save_pretrained(tmp_path / "copy")
+
+
+def codes_of(agent):
+    return [agent.known.codes(target) for target in agent.config.targets]
+
+
+def refuse_maps(*_):
+    raise AssertionError("the backbone was run")
+
+
+def test_the_codes_an_agent_is_saved_with_are_those_it_would_compute(agent, tmp_path, monkeypatch):
+    agent.save_pretrained(tmp_path / "copy")
+    copy = ActivePerceiver.from_pretrained(tmp_path / "copy")
+    monkeypatch.setattr(copy.backbone, "maps", refuse_maps)
+    stored = codes_of(copy)
+    (tmp_path / "copy" / CODES_FILE).unlink()
+    computed = codes_of(ActivePerceiver.from_pretrained(tmp_path / "copy"))
+    assert [codes.shape for codes in stored] == [codes.shape for codes in computed]
+    for one, other in zip(stored, computed, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-5)
+
+
+CODE_DAMAGES = {
+    "empty": lambda path: path.write_bytes(b""),
+    "truncated": lambda path: path.write_bytes(path.read_bytes()[: path.stat().st_size // 2]),
+    "one bit": lambda path: path.write_bytes(path.read_bytes().replace(b"\x93NUMPY", b"\x92NUMPY")),
+    "garbled": lambda path: path.write_bytes(
+        bytes(value ^ (number % 7 == 0) for number, value in enumerate(path.read_bytes()))
+    ),
+    "another file": lambda path: path.write_bytes(b"\x93NUMPY but no more than that"),
+    "a pickle": lambda path: np.savez(path, codes=np.array([{}], object)),
+    "a folder": lambda path: (path.unlink(), path.mkdir()),
+}
+
+
+@pytest.mark.parametrize("name", CODE_DAMAGES)
+def test_damaged_codes_are_computed_anew(agent, tmp_path, name):
+    agent.save_pretrained(tmp_path / "copy")
+    CODE_DAMAGES[name](tmp_path / "copy" / CODES_FILE)
+    for one, other in zip(codes_of(ActivePerceiver.from_pretrained(tmp_path / "copy")), codes_of(agent), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-5)
+
+
+def test_stale_codes_are_computed_anew(agent, scene, tmp_path):
+    """One more picture of one target: its codes are computed, the others' are not."""
+    agent.save_pretrained(tmp_path / "copy")
+    folder = tmp_path / "copy" / "targets" / scene.name / "ball0"
+    (folder / "99.webp").write_bytes(scene.targets[1].pictures[0])
+    copy = ActivePerceiver.from_pretrained(tmp_path / "copy")
+    looked = []
+    whole = copy.backbone.maps
+    copy.backbone.maps = lambda images: (looked.append(len(images)), whole(images))[1]
+    more = dict(zip(copy.config.targets, codes_of(copy), strict=True))
+    before = dict(zip(agent.config.targets, codes_of(agent), strict=True))
+    assert looked == [len(list(folder.glob("*")))]
+    for target, codes in more.items():
+        assert len(codes) == len(before[target]) + (target.name == "ball0")
+    copy.known.save_codes()
+    fresh = ActivePerceiver.from_pretrained(tmp_path / "copy")
+    fresh.backbone.maps = refuse_maps
+    for target, codes in zip(fresh.config.targets, codes_of(fresh), strict=True):
+        np.testing.assert_array_equal(codes, more[target])
+
+
+def test_codes_of_another_recogniser_are_not_taken(agent, tmp_path):
+    agent.save_pretrained(tmp_path / "copy")
+    path = tmp_path / "copy" / "recogniser.onnx"
+    path.write_bytes(path.read_bytes() + b"\x0a\x00")  # the same to ONNX, but another file
+    copy = ActivePerceiver.from_pretrained(tmp_path / "copy")
+    copy.backbone.maps = refuse_maps
+    with pytest.raises(AssertionError, match="backbone was run"):
+        codes_of(copy)
+
+
+def test_an_encoded_image_is_acted_on_as_the_decoded_one(agent, scene):
+    data, steps = encode_image(scene.view(9), "png"), []
+    for image in (data, scene.view(9)):
+        agent.reset(scene.targets[1].picture(0), seed=3)
+        steps.append(agent.act(image))
+    np.testing.assert_array_equal(steps[0].probabilities, steps[1].probabilities)
+    with pytest.raises(ImageError, match="the robot's image"):
+        agent.act(data[:50])
+
+
+def test_decoding_a_large_image_small_changes_no_detection(agent, scene):
+    size = 2 * agent.backbone.image_size
+    threshold, seen = agent.config.score_threshold, 0
+    agent.reset(scene.targets[0].picture(1), seed=0)
+    for state in np.argsort(-scene.areas[:, 0])[::4][:20]:  # large, small, and not there at all
+        view = np.asarray(Image.fromarray(scene.view(state)).resize((size, size)))
+        data = encode_image(view, "jpeg")
+        small, whole = agent.act(data).detection, agent.act(decode_image(data)).detection
+        if small is not None and whole is not None:
+            seen += 1
+            assert small.score == pytest.approx(whole.score, abs=0.1)
+            np.testing.assert_allclose(small.box, whole.box, atol=0.03)
+        else:
+            known = small or whole
+            assert known is None or known.score < threshold + 0.1
+    assert seen >= 3
+
+
+def test_threads_reach_backbone_and_recogniser(agent_folder, scene, monkeypatch):
+    from active_perceiver.vision import sessions
+
+    opened, whole = {}, sessions.onnxruntime.InferenceSession
+
+    def note(data, options, **arguments):
+        session = whole(data, options, **arguments)
+        opened[session.get_modelmeta().custom_metadata_map["kind"].split("-")[-1]] = options.intra_op_num_threads
+        return session
+
+    monkeypatch.setattr(sessions.onnxruntime, "InferenceSession", note)
+    ActivePerceiver.from_pretrained(agent_folder, threads=2)
+    assert opened == {"backbone": 2, "recogniser": 2, "policy": 1}
+    with pytest.raises(AgentError, match="at least 1 thread"):
+        ActivePerceiver.from_pretrained(agent_folder, threads=0)
 
 
 def damage(folder: Path, change) -> None:

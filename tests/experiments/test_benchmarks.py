@@ -159,6 +159,6 @@ def test_a_damaged_agent_is_named(scene: Scene, scene_file: Path, tmp_path: Path
 @pytest.mark.skipif(sys.platform != "linux", reason="tells its memory another way")
 def test_peak_memory_is_that_of_the_process_alone() -> None:
     ballast = np.ones(2**25)  # 256 MiB, more than the small process below needs
-    script = "from active_perceiver.experiments.benchmarks.act_process import peak_memory; print(peak_memory())"
+    script = "from active_perceiver.memory import peak_memory; print(peak_memory())"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert 0.005 < float(done.stdout) < ballast.nbytes / 2**30 / 2

@@ -16,11 +16,17 @@ def tables(scene):
 
 def search(scene, tables, found, detected, searches=400, seed=0):
     goals = goal_states(scene.areas)[:, 0]
-    return own_word.search_by_own_word(
-        "toy", "ball0", tables, found, detected, scene.boxes[:, 0], scene.transitions,
-        steps_to_goal(scene.transitions, goals), np.eye(len(scene), dtype=bool), searches,
-        np.random.default_rng(seed),
-    )  # fmt: skip
+    asked = own_word.SearchTables(
+        scene="toy",
+        target="ball0",
+        probabilities=tables,
+        found=found,
+        right=own_word.is_on_object(detected, scene.boxes[:, 0]),
+        transitions=scene.transitions,
+        steps=steps_to_goal(scene.transitions, goals),
+        alike=np.eye(len(scene), dtype=bool),
+    )
+    return own_word.search_until_found(asked, searches, np.random.default_rng(seed))
 
 
 def perfect(scene):

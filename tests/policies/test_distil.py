@@ -14,6 +14,7 @@ from active_perceiver.experiments.stages import learner_config
 from active_perceiver.policies import LEARNERS, DistilConfig, PpoConfig
 from active_perceiver.policies.distil import distillation_loss, optimal_actions
 from active_perceiver.policies.fitting import state_batches
+from active_perceiver.policies.network import picture_tensors
 from active_perceiver.scenes.lattice import steps_to_goal
 from active_perceiver.search import SearchError
 
@@ -99,8 +100,25 @@ def test_the_policy_is_the_running_mean_of_the_weights(problem):
 
     first, second, third = (weights(steps, 0.0) for steps in (1, 2, 3))
     assert not torch.allclose(first, third, atol=1e-4)
-    expected = 0.6 * (0.6 * first + 0.4 * second) + 0.4 * third
+    # Of the mean so far, the second step keeps 2/11 and the third 3/12, unless that is more than asked for.
+    expected = 3 / 12 * (2 / 11 * first + 9 / 11 * second) + 9 / 12 * third
     torch.testing.assert_close(weights(3, 0.6), expected, rtol=0, atol=1e-6)
+    torch.testing.assert_close(
+        weights(3, 0.2), 0.2 * (2 / 11 * first + 9 / 11 * second) + 0.8 * third, rtol=0, atol=1e-6
+    )
+
+
+def test_signals_neither_fade_nor_grow_in_the_network_that_training_begins_with(problem):
+    config = DistilConfig(iterations=1, fit_steps=1, learning_rate=1e-12)
+    network, _ = LEARNERS["distil"].train([problem], config)
+    views, _, _ = picture_tensors(problem, 0)
+    with torch.no_grad():
+        normal = (views - network.view_mean) / network.view_scale
+        first = torch.relu(network.view_layer(normal))
+        second = torch.relu(network.fusion(torch.cat([first, first, torch.zeros(len(first), 25)], dim=1)))
+        third = torch.relu(network.branch_layers[0](second))
+    sizes = [part.square().mean().sqrt().item() for part in (first, second, third)]
+    assert max(sizes) / min(sizes) < 3
 
 
 def test_refuses_what_it_has_no_use_for(problem):

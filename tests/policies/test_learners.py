@@ -1,5 +1,6 @@
 """The learners: exact advantages, PPO's gradient and estimates against slow ones, and that they learn."""
 
+import itertools
 import subprocess
 import sys
 from dataclasses import replace
@@ -143,7 +144,13 @@ def test_finds_every_target_with_every_picture(name, problem):
         assert overall.ratio <= 1.05
     assert told == history
     last = history[-1]
-    assert set(last) == {"iteration", "seconds", "samples", "success", "mean_steps", "ratio", "entropy"}
+    fields = {"iteration", "seconds", "measuring", "samples", "success", "mean_steps", "ratio", "entropy"}
+    assert set(last) == fields
+    measured = [0.0, *(record["measuring"] for record in history)]
+    assert all(before < after for before, after in itertools.pairwise(measured))
+    # All but the measurements is training, which takes time too.
+    trained = [0.0, *(record["seconds"] - record["measuring"] for record in history)]
+    assert all(before < after for before, after in itertools.pairwise(trained))
     assert last["success"] == pytest.approx(1)
     assert last["ratio"] <= 1.05
     assert history[0]["entropy"] > last["entropy"]

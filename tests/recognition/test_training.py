@@ -122,12 +122,18 @@ def test_what_is_judged_is_spread_over_the_pictures():
 def test_bad_input(scene, features):
     with pytest.raises(RecogniserError, match="there are matching, pooled"):
         RecogniserConfig(kind="guessing")
-    with pytest.raises(RecogniserError, match="adamw or sgd"):
+    with pytest.raises(RecogniserError, match="optimiser is one of adamw, sgd"):
         RecogniserConfig(optimiser="adam")
     with pytest.raises(RecogniserError, match="at least 1"):
         RecogniserConfig(steps=0)
     with pytest.raises(RecogniserError, match="held_out_places"):
         RecogniserConfig(held_out_places=1.0)
+    with pytest.raises(RecogniserError, match="averaging"):
+        RecogniserConfig(averaging=1.0)
+    with pytest.raises(RecogniserError, match="own_pictures"):
+        RecogniserConfig(own_pictures=1.5)
+    with pytest.raises(RecogniserError, match="start is one of pretrained, scratch"):
+        RecogniserConfig(start="anywhere")
     with pytest.raises(RecogniserError, match="features of each"):
         train_recogniser([scene], [], SHORT)
     with pytest.raises(RecogniserError, match="of another scene"):

@@ -11,7 +11,7 @@ import pytest
 
 from active_perceiver.cli import main
 from active_perceiver.files import OutputExistsError
-from active_perceiver.rooms.capturing import elsewhere, other_rooms
+from active_perceiver.rooms.capturing import elsewhere, other_rooms, rendering
 from active_perceiver.rooms.capturing.capture_settings import CaptureError
 from active_perceiver.rooms.capturing.elsewhere import render_elsewhere
 from active_perceiver.rooms.capturing.other_rooms import OtherRoom, shared_out
@@ -79,7 +79,7 @@ def test_each_target_is_photographed_as_often_as_asked(whole: Path, searched: Sc
     assert (scene.areas[rooms == 1, 1] >= LEAST_AREA).sum() >= 5
     assert len(set(scene.views)) == 10
     assert any(problem.fatal and "could not move at all" in problem.text for problem in scene_problems(scene))
-    assert not elsewhere.RENDERED_HERE.fullmatch(scene.source)
+    assert not rendering.RENDERED_HERE.fullmatch(scene.source)
     assert not list(whole.parent.glob("*.part"))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +21,7 @@ from active_perceiver.rooms.room import Room
 from active_perceiver.rooms.shapes.boxes import box
 from active_perceiver.rooms.shapes.pieces import bounds
 from active_perceiver.rooms.soundness import room_problems
+from box_room import box_room
 
 # A few here; `active-perceiver scenes preview LAYOUT --count 40` checks as many as one likes.
 SEEDS = (1, 2, 11)
@@ -64,6 +66,73 @@ def test_rooms_follow_their_seed(layout: str) -> None:
         np.testing.assert_array_equal(polygon, same_polygon)
 
 
+def shapes(room: Room, names: set[str] | None = None) -> list[tuple[str, bytes]]:
+    """Every mesh there is, or those of some objects."""
+    return [
+        (part.object_name, part.mesh.vertices.tobytes())
+        for part in room.parts
+        if names is None or part.object_name in names
+    ]
+
+
+@pytest.fixture(scope="module", params=LAYOUTS)
+def first(request: pytest.FixtureRequest) -> Room:
+    """The first room of each layout."""
+    return make_room(request.param, 1)
+
+
+def test_another_hour_changes_nothing_but_the_light(first: Room) -> None:
+    hour = "noon" if first.sun is None else "dusk"
+    other = make_room(first.name.removesuffix("_1"), 1, hour=hour)
+    assert shapes(other) == shapes(first)
+    assert other.targets == first.targets
+    assert [lamp.centre for lamp in other.lamps] == [lamp.centre for lamp in first.lamps]
+    assert (other.sun is None) == (hour == "dusk")
+    assert other.sky != first.sky
+
+
+def test_moved_things_are_the_same_things_on_the_same_furniture(first: Room) -> None:
+    layout = first.name.removesuffix("_1")
+    room, moved = first, make_room(layout, 1, moved=1)
+    things = {*LAYOUTS[layout].contents.required, *LAYOUTS[layout].contents.optional, "pot", "pan", "kettle"}
+    furniture = {part.object_name for part in room.parts} - things
+    assert shapes(moved, furniture) == shapes(room, furniture)
+    assert (moved.sun, moved.lamps) == (room.sun, room.lamps)
+    assert set(LAYOUTS[layout].contents.required) <= set(moved.targets)
+    assert room_problems(moved) == []
+    elsewhere = [name for name in moved.targets if shapes(moved, {name}) != shapes(room, {name})]
+    assert len(elsewhere) > len(moved.targets) * 0.7
+    for name in set(moved.targets) & set(room.targets):
+        heights = [np.ptp(np.concatenate(meshes(one, name))[:, 2]) for one in (room, moved)]
+        assert heights[0] == pytest.approx(heights[1], abs=1e-9)
+
+
+def meshes(room: Room, name: str) -> list[np.ndarray]:
+    return [part.mesh.vertices for part in room.parts if part.object_name == name]
+
+
+def test_an_arrangement_that_does_not_work_out_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    def small(seed: int, attempt: int, contents: Contents, hour: str | None) -> Room:
+        if attempt < 2 or contents.moved == 3:
+            raise NoRoomError("no room for bread")
+        return replace(box_room(), name=f"{attempt} {contents.moved}")
+
+    monkeypatch.setitem(LAYOUTS, "kitchen", Layout(small, Contents(())))
+    assert make_room("kitchen", 1).name == "2 None"
+    assert make_room("kitchen", 1, moved=5).name == "2 5"
+    assert make_room("kitchen", 1, moved=6).name == "2 6"  # in the same arrangement of furniture
+    with pytest.raises(LayoutError, match=r"arrangement 3 .*no room for bread.*take another number"):
+        make_room("kitchen", 1, moved=3)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"), [({"hour": "midnight"}, "morning, noon, afternoon"), ({"moved": 0}, "at least 1")]
+)
+def test_unknown_hours_and_arrangements_are_explained(change: dict, message: str) -> None:
+    with pytest.raises(LayoutError, match=message):
+        make_room("kitchen", 1, **change)
+
+
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_seeds_differ_in_furniture_light_and_colours(layout: str) -> None:
     rooms = [make_room(layout, seed) for seed in range(1, 7)]
@@ -84,7 +153,7 @@ def test_unknown_layouts_and_seeds_are_explained(layout: str, seed: int, message
 
 
 def test_a_seed_that_never_works_out_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
-    def too_small(seed: int, attempt: int, contents: Contents) -> Room:
+    def too_small(seed: int, attempt: int, contents: Contents, hour: str | None) -> Room:
         raise NoRoomError("no room for a door")
 
     monkeypatch.setitem(LAYOUTS, "kitchen", Layout(too_small, Contents(())))

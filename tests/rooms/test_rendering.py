@@ -20,6 +20,7 @@ from active_perceiver.rooms.capturing.capture_store import CaptureStore
 from active_perceiver.rooms.capturing.rendering import Timing, render_scene, render_scenes, room_fingerprint
 from active_perceiver.rooms.engine import compiled
 from active_perceiver.rooms.layouts import LayoutError
+from active_perceiver.rooms.room import Room
 from active_perceiver.scenes import TURTLEBOT_ACTIONS, load_scene
 from box_room import box_room
 
@@ -29,12 +30,18 @@ SMALL = CaptureSettings(
 )  # fmt: skip
 
 
+def make_box_room(layout: str, seed: int, hour: str | None = None, moved: int | None = None) -> Room:
+    room = box_room()
+    lamps = room.lamps if hour is None else tuple(replace(lamp, radiance=(0.2, 0.2, 0.3)) for lamp in room.lamps)
+    return replace(room, name=f"{layout}_{seed}", lamps=lamps)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def box_rooms(small_work: pytest.MonkeyPatch) -> None:
     """One setup of target pictures in rooms with a box."""
     small_work.setattr(capture_module, "SETUPS", 1)
     small_work.setattr(capture_module, "HELD_OUT", 1)
-    small_work.setattr(rendering, "make_room", lambda layout, seed: replace(box_room(), name=f"{layout}_{seed}"))
+    small_work.setattr(rendering, "make_room", make_box_room)
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +77,31 @@ def interrupted(tmp_path: Path) -> Path:
             render_scene("kitchen", 5, path, settings=SMALL)
     assert not path.exists()
     return path
+
+
+def test_another_hour_is_the_same_lattice_in_another_light(whole: Path, tmp_path: Path) -> None:
+    path = tmp_path / rendering.default_name("kitchen", 5, "low sun")
+    assert path.name == "kitchen_5_hour_low_sun.h5"
+    render_scene("kitchen", 5, path, settings=SMALL, hour="low sun")
+    scene, other = load_scene(whole), load_scene(path)
+    np.testing.assert_array_equal(scene.poses, other.poses)
+    np.testing.assert_array_equal(scene.transitions, other.transitions)
+    np.testing.assert_array_equal(scene.boxes, other.boxes)
+    assert scene.views != other.views
+    assert other.source.endswith("; hour low sun")
+    assert rendering.origin_of(scene) == rendering.origin_of(other) == ("kitchen", 5)
+
+
+def test_names_of_files_tell_rooms_apart() -> None:
+    changes = [(None, None), ("dusk", None), (None, 1), (None, 2), ("dusk", 1)]
+    names = [rendering.default_name("kitchen", 1, *change) for change in changes]
+    assert names[0] == "kitchen_1.h5"
+    assert len(set(names)) == len(names)
+
+
+def test_a_scene_of_somebody_else_has_no_origin(whole: Path) -> None:
+    with pytest.raises(CaptureError, match="was not rendered by this software"):
+        rendering.origin_of(replace(load_scene(whole), source="photographs"))
 
 
 def test_the_scene_is_a_turtlebot_s(whole: Path) -> None:
@@ -132,7 +164,8 @@ def test_an_interrupted_rendering_is_neither_lost_nor_mixed(
         with pytest.raises(CaptureError, match="other settings"):
             render_scene("kitchen", 5, interrupted, settings=SMALL, resume=True)
     with monkeypatch.context() as patch:
-        patch.setattr(rendering, "make_room", lambda *_: replace(box_room(), name="kitchen_5", sky=(0.0, 0.1, 0.0)))
+        other = replace(box_room(), name="kitchen_5", sky=(0.0, 0.1, 0.0))
+        patch.setattr(rendering, "make_room", lambda *_, **__: other)
         with pytest.raises(CaptureError, match="other settings"):
             render_scene("kitchen", 5, interrupted, settings=SMALL, resume=True)
     part = interrupted.with_name("box.h5.part")
@@ -187,7 +220,7 @@ def test_refused_before_anything_is_rendered(tmp_path: Path, monkeypatch: pytest
             render_scene("kitchen", 5, out, settings=SMALL)
     assert there.read_bytes() == b"precious"
     monkeypatch.undo()
-    monkeypatch.setattr(rendering, "make_room", lambda *_: (_ for _ in ()).throw(LayoutError("no castle")))
+    monkeypatch.setattr(rendering, "make_room", lambda *_, **__: (_ for _ in ()).throw(LayoutError("no castle")))
     with pytest.raises(LayoutError):
         render_scene("castle", 1, tmp_path / "castle.h5")
     assert [path.name for path in tmp_path.iterdir()] == ["there.h5"]

@@ -86,3 +86,37 @@ def test_encode_then_decode(kind):
     image = np.random.default_rng(0).integers(100, 140, (32, 32, 3)).astype(np.uint8)
     decoded = decode_image(encode_image(image, kind))
     assert np.abs(decoded.astype(int) - image).mean() < (0.1 if kind == "png" else 12)
+
+
+def test_a_large_jpeg_is_decoded_small_for_a_small_square():
+    """By a whole factor and no smaller than it will be; what comes out is what decoding all of it gives."""
+    down, across = np.mgrid[:240, :320] / 40
+    image = (127 + 60 * np.stack([np.sin(down), np.cos(across), np.sin(down + across)], -1)).astype(np.uint8)
+    data = encode_image(image, "jpeg", 95)
+    shapes = {side: decode_image(data, side=side).shape for side in (400, 320, 161, 160, 100, 80, 40, 1)}
+    assert shapes == {
+        400: (240, 320, 3), 320: (240, 320, 3), 161: (240, 320, 3), 160: (120, 160, 3), 100: (120, 160, 3),
+        80: (60, 80, 3), 40: (30, 40, 3), 1: (30, 40, 3),
+    }  # fmt: skip
+    whole, small = (square_image(decode_image(data, side=side), 80).astype(int) for side in (None, 80))
+    assert np.abs(whole - small).mean() < 2
+
+
+@pytest.mark.parametrize("size", [(640, 479), (479, 640), (641, 3), (1280, 720)])
+def test_it_is_never_decoded_smaller_than_the_square_needs(size):
+    data = encoded(Image.new("RGB", size), "JPEG")
+    height, width, _ = decode_image(data, side=320).shape
+    assert 320 <= max(height, width) < 640
+    assert height / width == pytest.approx(size[1] / size[0], rel=0.02) or min(size) < 10
+
+
+@pytest.mark.parametrize("kind", ["png", "webp"])
+def test_other_kinds_are_decoded_whole(kind):
+    assert decode_image(encode_image(np.zeros((64, 48, 3), np.uint8), kind), side=8).shape == (64, 48, 3)
+
+
+def test_a_small_jpeg_is_upright_too(picture):
+    exif = Image.Exif()
+    exif[274] = 6
+    data = encoded(picture.resize((600, 400)), "JPEG", exif=exif)
+    assert decode_image(data, side=300).shape == (300, 200, 3)

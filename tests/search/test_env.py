@@ -237,3 +237,17 @@ def test_refuses_a_start_at_a_goal_and_unknown_actions(tables):
         env.step(8)
     with pytest.raises(SearchError, match="actions must be 2 numbers"):
         several.step(np.array([0, 8]))
+
+
+@pytest.mark.parametrize("kind", ["pixels", "features"])
+@pytest.mark.parametrize("make", [SearchEnv, lambda **arguments: SearchVectorEnv(2, **arguments)])
+def test_whoever_changes_an_observation_changes_no_other(make, kind, scene, tables):
+    env = make(**({"scene": scene, "image_size": 16} if kind == "pixels" else tables))
+    env.reset(seed=1)
+    still = np.zeros_like(env.action_space.sample())
+    first = env.step(still)[0]
+    before = {name: array.copy() for name, array in first.items()}
+    for array in first.values():
+        array[...] = 7
+    env.reset(seed=1)
+    assert equal(env.step(still)[0], before)

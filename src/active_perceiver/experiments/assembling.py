@@ -13,6 +13,7 @@ from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.experiments.sightings import Sightings
 from active_perceiver.experiments.view_searches import ViewSearches
 from active_perceiver.files import replacing
+from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies.restless import unit_vectors
 from active_perceiver.recognition.recogniser import Recogniser
 from active_perceiver.scenes import bundled_names
@@ -88,11 +89,17 @@ def _least_similarity(sightings: Sequence[Sightings]) -> float:
 
 
 def save_pictures(sightings: Sequence[Sightings], work: Path) -> None:
-    """Keep the pictures that were trained on, by which the agent knows its targets again."""
+    """Keep the pictures that were trained on, by which the agent knows its targets again, and the codes of them.
+
+    Args:
+        sightings: what the agent's recogniser sees in each scene.
+        work: the agent's folder, complete but for these.
+    """
     for seen in sightings:
         for index in seen.targets:
             target = seen.scene.targets[index]
             _write_pictures(picture_folder(work, seen.scene.name, target.name), target.pictures[: target.trained])
+    ActivePerceiver.from_pretrained(work).known.save_codes()
 
 
 def view_agent_config(settings: TrainSettings, backbone: Backbone, searches: Sequence[ViewSearches]) -> AgentConfig:

@@ -101,7 +101,7 @@ def _own_word(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) 
     for seen, pictures in asked:
         task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
         observations = seen.observations(agent.config.score_threshold, pictures)
-        tables = np.stack(
+        probabilities = np.stack(
             [policy_table(agent.policy, observations, seen.scene.name, k) for k in range(len(pictures))], axis=2
         )
         alike = own_word.alike_views(seen.view_features)
@@ -112,12 +112,17 @@ def _own_word(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) 
             areas = boxes[..., 2] * boxes[..., 3]
             criteria = [agent.known.criterion(code, seen.scene.name) for code in codes]
             found = np.stack([c.met(scores[:, k], areas[:, k]) for k, c in enumerate(criteria)], axis=1)
-            results.append(
-                own_word.search_by_own_word(
-                    seen.scene.name, name, tables[:, index], found, boxes, seen.scene.boxes[:, seen.targets[index]],
-                    task.transitions, task.steps[:, index], alike, settings.searches, rng,
-                )
-            )  # fmt: skip
+            tables = own_word.SearchTables(
+                scene=seen.scene.name,
+                target=name,
+                probabilities=probabilities[:, index],
+                found=found,
+                right=own_word.is_on_object(boxes, seen.scene.boxes[:, seen.targets[index]]),
+                transitions=task.transitions,
+                steps=task.steps[:, index],
+                alike=alike,
+            )
+            results.append(own_word.search_until_found(tables, settings.searches, rng))
     return {"overall": own_word.overall(results), "per_target": [asdict(result) for result in results]}
 
 

@@ -53,6 +53,31 @@ class OwnWord:
     shortest_mean: float
 
 
+@dataclass(frozen=True, eq=False)
+class SearchTables:
+    """All that an agent would see and do while it searches for one target, with each of its K pictures.
+
+    Attributes:
+        scene: where, its name.
+        target: what for, its name.
+        probabilities: (S, K, A) of the actions.
+        found: (S, K) where the agent says found.
+        right: (S, K) where that is true.
+        transitions: (S, A).
+        steps: (S,) fewest actions to a goal; searches start where this is positive.
+        alike: (S, S) which views the agent takes for the same, see `alike_views`.
+    """
+
+    scene: str
+    target: str
+    probabilities: NDArray[np.floating]
+    found: NDArray[np.bool_]
+    right: NDArray[np.bool_]
+    transitions: NDArray[np.integer]
+    steps: NDArray[np.integer]
+    alike: NDArray[np.bool_]
+
+
 def found_area(
     scores: NDArray[np.floating],
     boxes: NDArray[np.floating],
@@ -86,87 +111,42 @@ def alike_views(view_features: NDArray[np.floating]) -> NDArray[np.bool_]:
     return units @ units.T > ALIKE
 
 
-def search_by_own_word(
-    scene: str,
-    target: str,
-    tables: NDArray[np.floating],
-    found: NDArray[np.bool_],
-    detected: NDArray[np.floating],
-    true_boxes: NDArray[np.floating],
-    transitions: NDArray[np.integer],
-    steps: NDArray[np.integer],
-    alike: NDArray[np.bool_],
-    searches: int,
-    rng: np.random.Generator,
-) -> OwnWord:
-    """Searches for an object, see `search_until_found`; "found" is true where the drawn box is on it.
-
-    Args:
-        scene: its name, for the result.
-        target: its name, for the result.
-        tables: (S, K, A) action probabilities in each state for each picture.
-        found: (S, K) where the agent says found.
-        detected: (S, K, 4) its boxes.
-        true_boxes: (S, 4) ground truth, NaN where not visible.
-        transitions: (S, A).
-        steps: (S,) fewest actions to a goal; searches start where this is positive.
-        alike: (S, S) which views the agent takes for the same, see `alike_views`.
-        searches: how many.
-        rng: draws starts, pictures and actions.
-    """
-    overlap = np.nan_to_num(box_iou(detected, true_boxes[:, None]), nan=0.0)
-    right = overlap >= TRUE_IOU
-    return search_until_found(scene, target, tables, found, right, transitions, steps, alike, searches, rng)
+def is_on_object(detected: NDArray[np.floating], true_boxes: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """(S, K) where the drawn box is on the object, from (S, K, 4) drawn and (S, 4) true boxes, NaN if not visible."""
+    return np.nan_to_num(box_iou(detected, true_boxes[:, None]), nan=0.0) >= TRUE_IOU
 
 
-def search_until_found(
-    scene: str,
-    target: str,
-    tables: NDArray[np.floating],
-    found: NDArray[np.bool_],
-    right: NDArray[np.bool_],
-    transitions: NDArray[np.integer],
-    steps: NDArray[np.integer],
-    alike: NDArray[np.bool_],
-    searches: int,
-    rng: np.random.Generator,
-) -> OwnWord:
+def search_until_found(asked: SearchTables, searches: int, rng: np.random.Generator) -> OwnWord:
     """Search from random starts, each with one of the target's pictures at random, until found or the limit.
 
     Everything the agent would see is a table, so this is what `ActivePerceiver.act` does, only faster.
 
     Args:
-        scene: its name, for the result.
-        target: its name, for the result.
-        tables: (S, K, A) action probabilities in each state for each picture.
-        found: (S, K) where the agent says found.
-        right: (S, K) where that is true.
-        transitions: (S, A).
-        steps: (S,) fewest actions to a goal; searches start where this is positive.
-        alike: (S, S) which views the agent takes for the same, see `alike_views`.
+        asked: what is searched for, and all there is to see.
         searches: how many.
         rng: draws starts, pictures and actions.
     """
+    found, transitions, steps = asked.found, asked.transitions, asked.steps
     states = rng.choice(np.flatnonzero(steps > 0), searches)
-    pictures = rng.integers(tables.shape[1], size=searches)
+    pictures = rng.integers(found.shape[1], size=searches)
     shortest = steps[states]
     taken = np.zeros(searches, np.int64)
     looks = np.zeros((searches, len(transitions)), np.float32)  # how often each search looked at a view like each
     under_way = ~found[states, pictures]
     while under_way.any() and taken.max() < LIMIT:
-        here, asked = states[under_way], pictures[under_way]
+        here, chosen = states[under_way], pictures[under_way]
         earlier = looks[under_way, here]
-        looks[under_way] += alike[here]
-        limits = np.cumsum(restless(tables[here, asked], earlier), axis=-1)
+        looks[under_way] += asked.alike[here]
+        limits = np.cumsum(restless(asked.probabilities[here, chosen], earlier), axis=-1)
         draws = rng.random(len(here))[:, None] * limits[:, -1:]
         states[under_way] = transitions[here, (draws > limits).sum(axis=1)]
         taken[under_way] += 1
         under_way = ~found[states, pictures]
     ended = ~under_way
-    true = ended & right[states, pictures]
+    true = ended & asked.right[states, pictures]
     return OwnWord(
-        scene=scene,
-        target=target,
+        scene=asked.scene,
+        target=asked.target,
         searches=searches,
         true_found=float(true.mean()),
         false_found=float((ended & ~true).mean()),

@@ -28,6 +28,7 @@ def search_command(
     max_steps: int = 200,
     max_seconds: float = 600.0,
     seed: int | None = None,
+    threads: int | None = None,
     out: Path | None = None,
     force: bool = False,
 ) -> bool:
@@ -42,7 +43,7 @@ def search_command(
     image = read_image(picture)
     if out is not None and out.exists() and not force and any(out.iterdir()):
         raise OutputExistsError(f"{out} is not empty; give another --out, or --force to replace what is in it")
-    agent = ActivePerceiver.from_pretrained(agent_folder)
+    agent = ActivePerceiver.from_pretrained(agent_folder, threads)
     scene = _scene_of(robot)
     if branch is None and scene.name in agent.config.branches:
         branch = scene.name

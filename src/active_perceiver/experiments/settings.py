@@ -27,6 +27,9 @@ class TrainSettings:
     """Kind of recogniser: "matching" compares the picture with every place in the view, "pooled" is the paper's."""
     recogniser_steps: int | None = None
     """Training steps of the recogniser; its own default if not given."""
+    changed_views: int = 2
+    """How many times the policy (mirror-descent, distil) is shown every view as a worse camera or other light would
+    show it; each takes as long as computing the features of the scene."""
     learner: Literal["mirror-descent", "distil", "ppo", "a3c"] = "mirror-descent"
     """How the policy is learned: from exact advantages, from the shortest paths themselves (distil, which has no
     reward), by proximal policy optimisation from rollouts, or as in the paper by A3C with a process for each scene

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.progress import progress_bar
+from active_perceiver.progress import Report, progress_bar, quiet
 from active_perceiver.recognition.recogniser import Recogniser, detect_table
 from active_perceiver.scenes import Scene, Target
 from active_perceiver.search.observations import Observations
+from active_perceiver.vision.backbone import BATCH, Backbone, pooled
 from active_perceiver.vision.cache import SceneFeatures
 
 
@@ -93,6 +95,41 @@ def see_everywhere(
         scores, boxes = detect_table(recogniser, chosen, progress=report)
     codes = np.stack([recogniser.encode_target(maps) for maps in chosen.target_maps])
     return Sightings(scene, targets, trained, features.view_features, chosen.target_features, codes, scores, boxes)
+
+
+def look_at(
+    images: Iterable[NDArray[np.uint8]],
+    count: int,
+    backbone: Backbone,
+    recogniser: Recogniser,
+    codes: NDArray[np.float32],
+    progress: Report = quiet,
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    """Look for targets in images that are in no cache, as `ActivePerceiver.act` does.
+
+    Args:
+        images: `count` of them, (H, W, 3) uint8 RGB.
+        count: N, how many.
+        backbone: the recogniser's.
+        recogniser: looks.
+        codes: (T, K, C) of the pictures that targets are asked for with.
+        progress: called with the number of images done and of all.
+
+    Returns:
+        (N, D) float32 features, (N, T, K) float32 presence probabilities, (N, T, K, 4) float32 boxes.
+    """
+    features = np.empty((count, backbone.channels), np.float32)
+    scores = np.empty((count, *codes.shape[:2]), np.float32)
+    boxes = np.empty((*scores.shape, 4), np.float32)
+    flat, left = codes.reshape(-1, codes.shape[2]), iter(images)
+    for start in range(0, count, BATCH):
+        maps = backbone.maps(list(islice(left, BATCH)))
+        features[start : start + BATCH] = pooled(maps)
+        for number, one in enumerate(maps, start):  # all pictures with one view are enough at a time
+            probabilities, places = recogniser.detect_many(one[None], flat)
+            scores[number], boxes[number] = probabilities.reshape(scores.shape[1:]), places.reshape(boxes.shape[1:])
+        progress(start + len(maps), count)
+    return features, scores, boxes
 
 
 def even_pictures(targets: Sequence[Target]) -> tuple[NDArray[np.int64], int]:

@@ -11,11 +11,14 @@ from typing import Any, Generic, TypeVar
 from active_perceiver.agent_config import AgentConfig, SearchKind
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.settings import TrainSettings
+from active_perceiver.experiments.sightings import Sightings
 from active_perceiver.policies import LEARNERS, learner_named
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.problem import Problem
 from active_perceiver.progress import console, progress_bar
 from active_perceiver.scenes import Scene, open_scene
+from active_perceiver.search.observations import Observations
+from active_perceiver.search.task import SearchTask
 from active_perceiver.vision.backbone import Backbone, load_backbone
 from active_perceiver.vision.cache import SceneFeatures, scene_features
 
@@ -63,6 +66,30 @@ def features_of(scene: Scene, backbone: Backbone) -> SceneFeatures:
     """A scene's features, with a progress bar."""
     with progress_bar(f"features of {scene.name}") as report:
         return scene_features(scene, backbone, report)
+
+
+def policy_problems(
+    sightings: Sequence[Sightings],
+    threshold: float,
+    rank: int,
+    changed: Sequence[tuple[Observations, ...]] = (),
+) -> list[Problem]:
+    """What a policy is trained on: what the recogniser really sees, with the pictures that it was trained on too.
+
+    Args:
+        sightings: in each scene.
+        threshold: presence probability from which on a detection counts.
+        rank: goal states are those whose box is at least as large as the `rank`-th largest.
+        changed: for each of them, see `Problem.changed`; none if not given.
+    """
+    return [
+        Problem(
+            SearchTask.from_scene(seen.scene, seen.names, rank),
+            seen.observations(threshold, seen.trained_pictures),
+            also,
+        )
+        for seen, also in zip(sightings, changed or [()] * len(sightings), strict=True)
+    ]
 
 
 def learner_config(settings: TrainSettings) -> LearnerConfig:

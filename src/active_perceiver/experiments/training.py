@@ -13,6 +13,7 @@ import numpy as np
 
 from active_perceiver.agent_config import AgentConfig, SearchKind
 from active_perceiver.experiments.assembling import agent_config, save_pictures
+from active_perceiver.experiments.changed_views import changed_observations
 from active_perceiver.experiments.evaluating import measure_agent
 from active_perceiver.experiments.model_card import write_card
 from active_perceiver.experiments.result import write_result
@@ -25,18 +26,18 @@ from active_perceiver.experiments.stages import (
     learner_config,
     open_backbone,
     open_scenes,
+    policy_problems,
     train_policy,
 )
 from active_perceiver.experiments.view_training import prepare_views, train_for_views
 from active_perceiver.experiments.work_folder import begin, checked_work_folder, finish
 from active_perceiver.files import replacing
 from active_perceiver.perceiver import ActivePerceiver
-from active_perceiver.policies.problem import Problem
 from active_perceiver.progress import console, progress_bar
 from active_perceiver.recognition.recogniser import Recogniser
-from active_perceiver.recognition.training import CONFIGS, TrainedRecogniser, train_recogniser
+from active_perceiver.recognition.training import CONFIGS, RecogniserConfig, TrainedRecogniser, train_recogniser
 from active_perceiver.scenes import Scene
-from active_perceiver.search.task import SearchTask
+from active_perceiver.search.observations import Observations
 from active_perceiver.vision.backbone import Backbone
 from active_perceiver.vision.cache import SceneFeatures
 
@@ -121,7 +122,8 @@ def _train_for_objects(
     recogniser_metrics = _recogniser_stage(settings, material, work, seconds)
     recogniser = Recogniser(work / "recogniser.onnx")
     sightings = _see_all(settings, material, recogniser, seconds)
-    history = _policy_stage(settings, sightings, recogniser, work, seconds)
+    changed = _see_changed(settings, material, sightings, recogniser, seconds)
+    history = _policy_stage(settings, sightings, changed, recogniser, work, seconds)
     held_out_views = recogniser_metrics.pop("held_out_views")
     config = agent_config(settings, material.backbone, sightings, recogniser, held_out_views)
     config.save(work)
@@ -145,12 +147,21 @@ def _train_recogniser(settings: TrainSettings, material: Material) -> TrainedRec
     config = replace(CONFIGS[settings.recogniser], seed=settings.seed)
     if settings.recogniser_steps is not None:
         config = replace(config, steps=settings.recogniser_steps)
-    with progress_bar(f"{settings.recogniser} recogniser") as report:
+    return teach(material.taught, material.taught_features, material.backbone, config)
+
+
+def teach(
+    scenes: Sequence[Scene], features: Sequence[SceneFeatures], backbone: Backbone, config: RecogniserConfig
+) -> TrainedRecogniser:
+    """Train a recogniser, with a progress bar; see `train_recogniser`."""
+    with progress_bar(f"{config.kind} recogniser") as report:
         return train_recogniser(
-            material.taught,
-            material.taught_features,
+            scenes,
+            features,
             config,
             lambda step, total, loss: report(step, total, f"loss {loss:.3f}"),
+            backbone=backbone,
+            further_progress=lambda done, total: report(done, total, "making further views and pictures"),
         )
 
 
@@ -202,21 +213,33 @@ def _see_all(
     return sightings
 
 
+def _see_changed(
+    settings: TrainSettings,
+    material: Material,
+    sightings: Sequence[Sightings],
+    recogniser: Recogniser,
+    seconds: dict[str, float],
+) -> list[tuple[Observations, ...]]:
+    started = time.monotonic()
+    changed = [
+        changed_observations(
+            seen, material.backbone, recogniser, recogniser.threshold, settings.changed_views, settings.seed
+        )
+        for seen in sightings
+    ]
+    seconds["changed views"] = time.monotonic() - started
+    return changed
+
+
 def _policy_stage(
     settings: TrainSettings,
     sightings: Sequence[Sightings],
+    changed: Sequence[tuple[Observations, ...]],
     recogniser: Recogniser,
     work: Path,
     seconds: dict[str, float],
 ) -> list[dict[str, float]]:
-    """Train the policy on what the recogniser really sees, with the pictures that it was trained on too."""
-    problems = [
-        Problem(
-            SearchTask.from_scene(seen.scene, seen.names, settings.rank),
-            seen.observations(recogniser.threshold, seen.trained_pictures),
-        )
-        for seen in sightings
-    ]
+    problems = policy_problems(sightings, recogniser.threshold, settings.rank, changed)
     return train_policy(settings, problems, work, seconds)
 
 

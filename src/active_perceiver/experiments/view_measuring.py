@@ -48,12 +48,17 @@ def measure_view_agent(
         found = one.similarity >= agent.config.found_similarity
         for index, name in enumerate(task.targets):
             column = slice(index, index + 1)  # a view is the one picture of itself
-            results.append(
-                own_word.search_until_found(
-                    one.scene.name, name, table[:, column], found[:, column], task.goals[:, column],
-                    task.transitions, task.steps[:, index], alike, settings.searches, rng,
-                )
-            )  # fmt: skip
+            searched = own_word.SearchTables(
+                scene=one.scene.name,
+                target=name,
+                probabilities=table[:, column],
+                found=found[:, column],
+                right=task.goals[:, column],
+                transitions=task.transitions,
+                steps=task.steps[:, index],
+                alike=alike,
+            )
+            results.append(own_word.search_until_found(searched, settings.searches, rng))
     body["own_word"] = {
         "protocol": {
             "searches": settings.searches,

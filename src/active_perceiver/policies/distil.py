@@ -88,5 +88,5 @@ def _batch_losses(
         # Another picture of each target for every batch, so that the policy comes to work with all of them.
         pictures = rng.integers(0, problem.observations.pictures, len(task.targets))
         # Only the batch's rows: a scene may have many states.
-        log_policy, _ = network.table(*picture_tensors(problem, pictures, states), task.scene)
+        log_policy, _ = network.table(*picture_tensors(problem, pictures, states, problem.drawn(rng)), task.scene)
         yield distillation_loss(log_policy, torch.from_numpy(optimal_actions(task, states)))

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import cast
 
 import numpy as np
 import torch
-from torch import Tensor
-from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
+from torch import Tensor, nn
 
+from active_perceiver.averaging import running_mean
 from active_perceiver.policies.config import FitConfig
 from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
 from active_perceiver.policies.network import PolicyNetwork, seeded_network
@@ -44,21 +45,37 @@ def fit_network(
         SearchError: if there are no problems, or they do not go together.
     """
     network = seeded_network(problems, config)
+    _scale_weights(network, config.seed)
     rng = np.random.default_rng(config.seed)
     optimiser = torch.optim.Adam(network.parameters(), lr=config.learning_rate, fused=True)
-    averaged = AveragedModel(network, multi_avg_fn=get_ema_multi_avg_fn(config.averaging))
+    averaged = running_mean(network, config.averaging)
     policy = cast(PolicyNetwork, averaged.module)
     monitor = Monitor(problems, config, progress, inspect)
     for iteration in range(config.iterations):
         optimiser.param_groups[0]["lr"] = config.learning_rate_at(iteration)
-        for step in zip(*(losses(network, problem, rng) for problem in problems), strict=True):
+        scenes = [losses(network, problem, rng) for problem in problems]
+        for _ in range(config.fit_steps):
             optimiser.zero_grad()
-            torch.stack(step).mean().backward()
+            for scene in scenes:
+                # One after the other, so that what a backward pass needs is kept for one scene only.
+                (next(scene) / len(scenes)).backward()
             optimiser.step()
             averaged.update_parameters(network)
         if monitor.finished(policy, iteration + 1):
             break
     return policy, monitor.history
+
+
+def _scale_weights(network: PolicyNetwork, seed: int) -> None:
+    """Draw the weights of the hidden layers anew, orthogonal with a gain of sqrt(2), as policies usually begin.
+
+    Torch's own draws are so small that what tells one view from another shrinks with every layer. From these,
+    policies get good in fewer steps of Adam.
+    """
+    generator = torch.Generator().manual_seed(seed)
+    for layer in (network.view_layer, network.target_layer, network.fusion, *network.branch_layers):
+        nn.init.orthogonal_(layer.weight, math.sqrt(2), generator)
+        nn.init.zeros_(layer.bias)
 
 
 def state_batches(states: int, config: FitConfig, rng: np.random.Generator) -> Iterator[Tensor]:

@@ -18,7 +18,7 @@ from active_perceiver.policies.advantages import exact_advantages
 from active_perceiver.policies.config import MirrorDescentConfig, reward_of
 from active_perceiver.policies.fitting import fit_network, state_batches
 from active_perceiver.policies.monitor import Inspect, Progress, Record
-from active_perceiver.policies.network import PolicyNetwork, picture_tensors
+from active_perceiver.policies.network import PolicyNetwork, log_table, picture_tensors
 from active_perceiver.policies.problem import Problem
 
 
@@ -50,16 +50,17 @@ def _improvements(
 ) -> Iterator[Tensor]:
     """See `fitting.SceneLosses`; the target of the fit is found when the first loss is asked for."""
     task = problem.task
-    # Another picture of each target every time, so that the policy comes to work with all of them.
-    pictures = rng.integers(0, problem.observations.pictures, len(task.targets))
-    views, targets, masks = picture_tensors(problem, pictures)
-    with torch.no_grad():
-        log_policy, _ = network.table(views, targets, masks, task.scene)
+    drawn = problem.observations.pictures, len(task.targets)
+    log_policy, _ = log_table(network, *picture_tensors(problem, rng.integers(0, *drawn)), task.scene)
     advantages = exact_advantages(log_policy.exp().numpy(), task, reward_of(config), config.gamma)
     improved = torch.softmax(log_policy + config.step_size * torch.from_numpy(advantages).float(), dim=-1)
     # Where a search is over, or hopeless, it does not matter what the policy does.
     counts = torch.from_numpy((task.steps > 0).astype(np.float32))
     for states in state_batches(len(task), config, rng):
-        log_fitted, _ = network.table(views[states], targets, masks[states], task.scene)
+        # What is better does not depend on the picture a target is asked for with: other ones for every batch. Were
+        # it one for all batches, an odd picture would be met in few iterations, and searches with it stay lost.
+        pictures = rng.integers(0, *drawn)
+        batch = picture_tensors(problem, pictures, states.numpy(), problem.drawn(rng))
+        log_fitted, _ = network.table(*batch, task.scene)
         cross_entropy = -(improved[states] * log_fitted).sum(dim=-1)
         yield (counts[states] * cross_entropy).sum() / counts[states].sum().clamp(min=1)

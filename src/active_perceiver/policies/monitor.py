@@ -39,9 +39,10 @@ class Monitor:
     them tried.
 
     Attributes:
-        history: a record per measurement: `iteration`, `seconds` since the start, `samples` (steps of rollouts so
-            far), `success` (0..1), `mean_steps`, `ratio` (to the fewest steps) and `entropy` (mean over states and
-            targets, in nats).
+        history: a record per measurement: `iteration`, `seconds` since the start, `measuring` (how many of these
+            went into measurements, so that a benchmark can leave them out), `samples` (steps of rollouts so far),
+            `success` (0..1), `mean_steps`, `ratio` (to the fewest steps) and `entropy` (mean over states and targets,
+            in nats).
     """
 
     def __init__(
@@ -58,6 +59,7 @@ class Monitor:
         self._progress = progress
         self._inspect = inspect
         self._measured = int(earlier[-1]["iteration"]) if earlier else 0
+        self._measuring = earlier[-1].get("measuring", 0.0) if earlier else 0.0
         self._started = time.monotonic() - (earlier[-1]["seconds"] if earlier else 0.0)
         self._best_ratio = float("inf")
         self._best_at = 0  # measurements up to the best one
@@ -70,16 +72,18 @@ class Monitor:
             iteration: counted from 1.
             samples: steps of rollouts so far.
         """
-        config = self._config
-        out_of_time = config.seconds is not None and time.monotonic() - self._started >= config.seconds
+        config, began = self._config, time.monotonic()
+        out_of_time = config.seconds is not None and began - self._started >= config.seconds
         waited = iteration - self._measured
         if waited < config.check_every and not out_of_time and not (waited and iteration >= config.iterations):
             return False
         self._measured = iteration
         result, entropy, tables = self._measure(network, picture=len(self.history))
+        ended = time.monotonic()
         record = {
             "iteration": iteration,
-            "seconds": time.monotonic() - self._started,
+            "seconds": ended - self._started,
+            "measuring": self._measuring + ended - began,
             "samples": samples,
             "success": result.success,
             "mean_steps": result.mean_steps,
@@ -91,7 +95,12 @@ class Monitor:
             self._progress(record)
         if self._inspect is not None:
             self._inspect(record, tables)
-        return out_of_time or self._stalled(result) or (self._good(result) and self._good_with_every_picture(network))
+        enough = (
+            out_of_time or self._stalled(result) or (self._good(result) and self._good_with_every_picture(network))
+        )
+        # With what the callbacks did, which is no training either.
+        self._measuring += time.monotonic() - began
+        return enough
 
     def _measure(self, network: PolicyNetwork, picture: int) -> tuple[SearchResult, float, list[NDArray[np.float32]]]:
         tables = [

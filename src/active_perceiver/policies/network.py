@@ -12,7 +12,11 @@ from torch import Tensor, nn
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.problem import Problem
 from active_perceiver.search.location import GRID
+from active_perceiver.search.observations import Observations
 from active_perceiver.search.task import SearchError
+
+TABLE_STATES = 512
+"""States of which `log_table` has the hidden layers at once; with more it is no faster."""
 
 
 class PolicyNetwork(nn.Module):
@@ -156,14 +160,37 @@ def problem_table(
     Returns:
         Probabilities (S, T, A) and values (S, T), float32.
     """
-    views, targets, masks = picture_tensors(problem, pictures)
-    with torch.no_grad():
-        log_probabilities, values = network.table(views, targets, masks, problem.task.scene)
+    log_probabilities, values = log_table(network, *picture_tensors(problem, pictures), problem.task.scene)
     return log_probabilities.exp().numpy(), values.numpy()
 
 
+@torch.no_grad()
+def log_table(
+    network: PolicyNetwork, views: Tensor, targets: Tensor, masks: Tensor, branch: str
+) -> tuple[Tensor, Tensor]:
+    """`PolicyNetwork.table` without gradients, some states after others: hidden layers take far more than the result.
+
+    Args:
+        network: see `PolicyNetwork.table` for the rest.
+        views: (S, D).
+        targets: (T, D).
+        masks: (S, T, 25).
+        branch: name of the scene.
+
+    Returns:
+        Log probabilities (S, T, A) and values (S, T).
+    """
+    parts = zip(views.split(TABLE_STATES), masks.split(TABLE_STATES), strict=True)
+    tables = [network.table(some, targets, their_masks, branch) for some, their_masks in parts]
+    log_policy, values = zip(*tables, strict=True)
+    return torch.cat(log_policy), torch.cat(values)
+
+
 def picture_tensors(
-    problem: Problem, pictures: int | NDArray[np.integer], states: NDArray[np.integer] | None = None
+    problem: Problem,
+    pictures: int | NDArray[np.integer],
+    states: NDArray[np.integer] | None = None,
+    observations: Observations | None = None,
 ) -> tuple[Tensor, Tensor, Tensor]:
     """The views (n, D), and for one picture of each target the features (T, D) and masks (n, T, 25).
 
@@ -171,8 +198,9 @@ def picture_tensors(
         problem: of S states and T targets.
         pictures: which picture each target is asked for with: one number for all, or (T,).
         states: (n,) which states; all if None.
+        observations: which of the problem's; those of the scene as it is if None.
     """
-    seen = problem.observations
+    seen = observations or problem.observations
     index = np.arange(len(problem.task.targets))
     masks = seen.masks[:, index, pictures] if states is None else seen.masks[states[:, None], index, pictures]
     return (

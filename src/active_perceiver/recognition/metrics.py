@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import rankdata
 
 # Objects that cover less of the image than this are too small to judge: they count neither as there nor as absent.
 SMALLEST_AREA = 0.003
@@ -42,6 +41,8 @@ def auroc(scores: NDArray[np.floating], present: NDArray[np.bool_]) -> float:
     Returns:
         0..1; NaN if there are no positives or no negatives.
     """
+    from scipy.stats import rankdata  # takes long to import, and a robot never needs it
+
     positives = int(present.sum())
     negatives = len(present) - positives
     if positives == 0 or negatives == 0:

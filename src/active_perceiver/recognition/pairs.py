@@ -25,6 +25,7 @@ class Annotations:
         pictures: (T,) number of pictures of each target.
         held_out: (T,) how many of them, the last ones, are never trained with.
         places: (V,) int64, the same for views taken at the same place of the same scene.
+        smallest_area: what is visible but covers less of the image is too small to tell.
     """
 
     boxes: NDArray[np.float32]
@@ -33,6 +34,7 @@ class Annotations:
     pictures: NDArray[np.int64]
     held_out: NDArray[np.int64]
     places: NDArray[np.int64]
+    smallest_area: float
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], smallest_area: float) -> Annotations:
@@ -55,7 +57,7 @@ class Annotations:
         names = [f"{scene.name}/{target.name}" for scene in scenes for target in scene.targets]
         pictures = [(len(target.pictures), target.held_out) for scene in scenes for target in scene.targets]
         count, held_out = np.array(pictures, np.int64).reshape(-1, 2).T
-        return cls(boxes, states, np.array(names, np.str_), count, held_out, places)
+        return cls(boxes, states, np.array(names, np.str_), count, held_out, places, smallest_area)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +130,31 @@ class PairSampler:
 
     A view is drawn for one target, in which it is present with probability `present`; the other targets asked for in
     the same view are mostly absent while something else is there: the hard cases of "no".
+
+    Args:
+        data: what is known.
+        split: what is held out.
+        present: how often the target that a view is drawn for is in it, 0..1.
+        rng: draws.
+        further: (T,) number of further pictures of each target, which come after the most pictures that any has.
+        own_pictures: how often a target is asked for with one of its own pictures if it has further ones, 0..1.
+
+    Raises:
+        RecogniserError: if no target is visible in any training view.
     """
 
-    def __init__(self, data: Annotations, split: Split, present: float, rng: np.random.Generator) -> None:
-        """Raises RecogniserError if no target is visible in any training view."""
+    def __init__(
+        self,
+        data: Annotations,
+        split: Split,
+        present: float,
+        rng: np.random.Generator,
+        further: NDArray[np.int64] | None = None,
+        own_pictures: float = 1.0,
+    ) -> None:
         self._data, self._split, self._present, self._rng = data, split, present, rng
+        self._further = np.zeros(len(data.names), np.int64) if further is None else further
+        self._own_pictures = own_pictures
         self._learned = ~split.targets
         states = np.where(split.views[:, None] | split.targets, UNJUDGED, data.states)
         self._with = [np.flatnonzero(column == PRESENT) for column in states.T]
@@ -152,9 +174,18 @@ class PairSampler:
         order[~self._learned[None] | (self._data.states[rows] == UNJUDGED)] += 1.0  # as a last resort
         order[np.arange(views), leads] = -1.0
         asked = np.argsort(order, axis=1)[:, :targets]
-        pictures = (rng.random(asked.shape) * self._split.seen_pictures[asked]).astype(np.int64)
         states = np.where(self._learned[asked], self._data.states[rows[:, None], asked], UNJUDGED)
-        return Batch(rows, asked, pictures, states.astype(np.int8), self._data.boxes[rows[:, None], asked])
+        boxes = self._data.boxes[rows[:, None], asked]
+        return Batch(rows, asked, self._pictures_of(asked), states.astype(np.int8), boxes)
+
+    def _pictures_of(self, targets: NDArray[np.int64]) -> NDArray[np.int64]:
+        """A picture of each target, its own or a further one."""
+        further = self._further[targets]
+        own = (further == 0) | (self._rng.random(targets.shape) < self._own_pictures)
+        count = np.where(own, self._split.seen_pictures[targets], further)
+        return np.where(own, 0, self._data.pictures.max()) + (self._rng.random(targets.shape) * count).astype(
+            np.int64
+        )
 
     def _view_for(self, target: int, present: bool) -> int:
         views = self._with[target] if present or not len(self._without[target]) else self._without[target]

@@ -5,26 +5,32 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from active_perceiver.averaging import running_mean
 from active_perceiver.recognition.export import export_recogniser, recogniser_onnx, save_network
+from active_perceiver.recognition.further import FurtherConfig, Report, make_further
 from active_perceiver.recognition.judging import judge_split
 from active_perceiver.recognition.metrics import SMALLEST_AREA, RecognitionMetrics
 from active_perceiver.recognition.network import RECOGNISERS, RecogniserNetwork
 from active_perceiver.recognition.pairs import PRESENT, UNJUDGED, Annotations, PairSampler, Split
+from active_perceiver.recognition.pretrained import pretrained_network
 from active_perceiver.recognition.recogniser import Recogniser, RecogniserError
 from active_perceiver.scenes.scene import Scene
+from active_perceiver.vision.backbone import Backbone
 from active_perceiver.vision.cache import SceneFeatures
 
 # Views whose principal components are taken; their cells are far more than the components.
 FIT_VIEWS = 100
 PREPARE_BATCH = 32
+NO_FURTHER = FurtherConfig(views=0, pictures=0, cut_outs=0)
 
 Progress = Callable[[int, int, float], None]
 
@@ -35,7 +41,7 @@ class RecogniserConfig:
 
     kind: str = "matching"
     """Which network: "matching" (a heat map of the target's centre) or "pooled" (the paper's)."""
-    steps: int = 1400
+    steps: int = 3000
     """Updates of the weights."""
     views: int = 24
     """Views in a batch."""
@@ -51,6 +57,18 @@ class RecogniserConfig:
     """Pull of the weights towards zero."""
     noise: float = 0.1
     """Standard deviation of the noise on features, as a fraction of their own."""
+    averaging: float = 0.99
+    """How much of the running mean of the weights, which is what is kept, each update leaves, 0..1; 0 for the weights
+    as they are."""
+    start: str = "pretrained"
+    """What training starts from: "pretrained", weights learned in other rooms if there are any for the backbone, or
+    "scratch"."""
+    further: FurtherConfig = field(default_factory=FurtherConfig)
+    """Changed copies of views and pictures to learn from as well."""
+    own_pictures: float = 0.6
+    """How often a target is asked for with one of its own pictures, and not with a further one."""
+    precision: str = "auto"
+    """Of most products while training: "bfloat16", twice as fast on a CPU that has it, "float32", or "auto"."""
     held_out_places: float = 0.2
     """Fraction of the places whose views are kept for judging."""
     held_out_targets: tuple[str, ...] = ()
@@ -67,19 +85,37 @@ class RecogniserConfig:
     def __post_init__(self) -> None:
         if self.kind not in RECOGNISERS:
             raise RecogniserError(f"there is no recogniser '{self.kind}'; there are {', '.join(RECOGNISERS)}")
-        if self.optimiser not in ("adamw", "sgd"):
-            raise RecogniserError(f"the optimiser is adamw or sgd, not '{self.optimiser}'")
+        choices = {
+            "optimiser": ("adamw", "sgd"),
+            "start": ("pretrained", "scratch"),
+            "precision": ("auto", "float32", "bfloat16"),
+        }
+        for name, known in choices.items():
+            if getattr(self, name) not in known:
+                raise RecogniserError(f"{name} is one of {', '.join(known)}, not '{getattr(self, name)}'")
         if min(self.steps, self.views, self.targets, 1 if self.threads is None else self.threads) < 1:
             raise RecogniserError("steps, views, targets and threads must be at least 1")
-        if not (0.0 <= self.held_out_places < 1.0 and 0.0 <= self.present <= 1.0):
-            raise RecogniserError("held_out_places must be in 0..1 (not 1), present in 0..1")
+        if not (0.0 <= self.held_out_places < 1.0 and 0.0 <= self.averaging < 1.0):
+            raise RecogniserError("held_out_places and averaging must be at least 0 and less than 1")
+        if not (0.0 <= self.present <= 1.0 and 0.0 <= self.own_pictures <= 1.0):
+            raise RecogniserError("present and own_pictures must be in 0..1")
 
 
 CONFIGS: dict[str, RecogniserConfig] = {
     "matching": RecogniserConfig(),
     # SGD as in the paper. In the bundled kitchen 0.03 is near the highest learning rate that does not diverge (0.1
     # does), and much lower ones learn little in so many steps.
-    "pooled": RecogniserConfig(kind="pooled", steps=2000, optimiser="sgd", learning_rate=0.03, weight_decay=1e-4),
+    "pooled": RecogniserConfig(
+        kind="pooled",
+        steps=2000,
+        optimiser="sgd",
+        learning_rate=0.03,
+        weight_decay=1e-4,
+        averaging=0.0,
+        start="scratch",
+        further=NO_FURTHER,
+        precision="float32",
+    ),
 }
 
 
@@ -122,6 +158,8 @@ def train_recogniser(
     config: RecogniserConfig | None = None,
     progress: Progress | None = None,
     held_out: Sequence[NDArray[np.bool_]] | None = None,
+    backbone: Backbone | None = None,
+    further_progress: Report | None = None,
 ) -> TrainedRecogniser:
     """Train on all annotated targets of some scenes; the scenes say which of their pictures are kept for judging.
 
@@ -132,16 +170,18 @@ def train_recogniser(
         progress: called after every update with its number, the number of all, and a running mean of the loss.
         held_out: for each scene the (S,) bool mask of the views that are kept for judging, all or none of a place;
             None to draw the fraction of the places that `config` says.
+        backbone: that made the features; without it there is neither further material nor a pretrained start.
+        further_progress: called with the number of images of further material made and of all.
 
     Raises:
         RecogniserError: if scenes, features and views to hold out do not fit, or no target is visible anywhere.
     """
     config = config or CONFIGS["matching"]
-    _check(scenes, features, held_out)
+    _check(scenes, features, held_out, backbone)
     started = time.monotonic()
     with using_threads(config.threads), torch.random.fork_rng(devices=[]):
         torch.manual_seed(config.seed)
-        return _train(scenes, features, config, held_out, progress, started)
+        return _train(scenes, features, config, held_out, backbone, (progress, further_progress), started)
 
 
 @contextmanager
@@ -156,7 +196,10 @@ def using_threads(threads: int | None) -> Iterator[None]:
 
 
 def _check(
-    scenes: Sequence[Scene], features: Sequence[SceneFeatures], held_out: Sequence[NDArray[np.bool_]] | None
+    scenes: Sequence[Scene],
+    features: Sequence[SceneFeatures],
+    held_out: Sequence[NDArray[np.bool_]] | None,
+    backbone: Backbone | None,
 ) -> None:
     if not scenes or len(scenes) != len(features):
         raise RecogniserError(
@@ -167,6 +210,8 @@ def _check(
             raise RecogniserError(f"the features given for scene '{scene.name}' are of another scene")
     if len({(feature.backbone, feature.view_maps.shape[1:]) for feature in features}) > 1:
         raise RecogniserError("the scenes' features come from different backbones or image sizes; use one for all")
+    if backbone is not None and backbone.fingerprint != features[0].backbone:
+        raise RecogniserError("the features were made by another backbone than the one given; compute them anew")
     shapes = [(len(scene),) for scene in scenes]
     if held_out is not None and [views.shape for views in held_out] != shapes:
         raise RecogniserError(f"the views to hold out need one mask a scene, of shapes {shapes}")
@@ -177,7 +222,8 @@ def _train(
     features: Sequence[SceneFeatures],
     config: RecogniserConfig,
     held_out: Sequence[NDArray[np.bool_]] | None,
-    progress: Progress | None,
+    backbone: Backbone | None,
+    progress: tuple[Progress | None, Report | None],
     started: float,
 ) -> TrainedRecogniser:
     rng = np.random.default_rng(config.seed)
@@ -186,9 +232,7 @@ def _train(
         split = Split.of(data, config.held_out_places, config.held_out_targets, rng)
     else:
         split = Split.holding_out(data, np.concatenate(held_out), config.held_out_targets)
-    sampler = PairSampler(data, split, config.present, rng)
-    network = RECOGNISERS[config.kind](features[0].view_maps.shape[1:])
-    network.fit(_sample_of_views(features, split, rng))
+    network = _beginning(features, split, config, backbone, rng)
     views = torch.cat([prepared(network.prepare, feature.view_maps) for feature in features])
     # Targets of scenes with fewer pictures are padded; those rows are never asked for.
     most = max(feature.target_maps.shape[1] for feature in features)
@@ -205,8 +249,15 @@ def _train(
     spreads = (views[torch.from_numpy(~split.views)], pictures[trained_pictures])
     noise = tuple(config.noise * float(table.float().std()) for table in spreads)
     del spreads
-    _optimise(network.train(), views, pictures, noise, sampler, config, progress)
-    network.eval()
+    if backbone is None or config.further == NO_FURTHER:
+        sampler = PairSampler(data, split, config.present, rng)
+        material = views, pictures
+    else:
+        further = make_further(scenes, backbone, network, data, split, config.further, rng, progress[1])
+        everything = further.added_to(data, split)
+        sampler = PairSampler(*everything, config.present, rng, further.counts, config.own_pictures)
+        material = torch.cat([views, further.views]), torch.cat([pictures, further.pictures], dim=1)
+    network = _optimise(network.train(), *material, noise, sampler, config, progress[0]).eval()
     threshold, metrics = judge_split(network, views, pictures, data, split, config.most_false)
     ends = np.cumsum([len(scene) for scene in scenes])[:-1]
     return TrainedRecogniser(
@@ -220,6 +271,23 @@ def _train(
     )
 
 
+def _beginning(
+    features: Sequence[SceneFeatures],
+    split: Split,
+    config: RecogniserConfig,
+    backbone: Backbone | None,
+    rng: np.random.Generator,
+) -> RecogniserNetwork:
+    """The network before it is trained."""
+    if config.start == "pretrained" and backbone is not None:
+        network = pretrained_network(config.kind, backbone.name, backbone.image_size)
+        if network is not None:
+            return network
+    network = RECOGNISERS[config.kind](features[0].view_maps.shape[1:])
+    network.fit(_sample_of_views(features, split, rng))
+    return network
+
+
 def _optimise(
     network: RecogniserNetwork,
     views: Tensor,
@@ -228,8 +296,11 @@ def _optimise(
     sampler: PairSampler,
     config: RecogniserConfig,
     progress: Progress | None,
-) -> None:
+) -> RecogniserNetwork:
+    """Train a network; what is returned is the running mean of its weights."""
     weights = list(network.parameters())
+    averaged = running_mean(network, config.averaging)
+    bfloat16 = _uses_bfloat16(config)
     rate, decay = config.learning_rate, config.weight_decay
     if config.optimiser == "adamw":
         optimiser: torch.optim.Optimizer = torch.optim.AdamW(weights, rate, weight_decay=decay)
@@ -246,8 +317,9 @@ def _optimise(
         asked = pictures[torch.from_numpy(batch.targets), torch.from_numpy(batch.pictures)].float().flatten(0, 1)
         shown += noise[0] * torch.randn_like(shown)
         asked += noise[1] * torch.randn_like(asked)
-        codes = network.encode_target(asked).unflatten(0, batch.targets.shape)
-        judged = network.judge(network.encode_view(shown), codes)
+        with torch.autocast("cpu", torch.bfloat16, enabled=bfloat16):
+            codes = network.encode_target(asked).unflatten(0, batch.targets.shape)
+            judged = network.judge(network.encode_view(shown), codes).float()
         states = torch.from_numpy(batch.states).flatten()
         counts = states != UNJUDGED
         present = (states == PRESENT).float()[counts]
@@ -257,9 +329,18 @@ def _optimise(
         torch.nn.utils.clip_grad_norm_(weights, 5.0)
         optimiser.step()
         schedule.step()
+        averaged.update_parameters(network)
         mean_loss = loss.item() if step == 1 else 0.98 * mean_loss + 0.02 * loss.item()
         if progress is not None:
             progress(step, config.steps, mean_loss)
+    return cast(RecogniserNetwork, averaged.module)
+
+
+def _uses_bfloat16(config: RecogniserConfig) -> bool:
+    if config.precision == "auto":
+        # Processors without it emulate it, which is slower than float32.
+        return bool(torch.cpu.get_capabilities().get("avx512_bf16"))
+    return config.precision == "bfloat16"
 
 
 def _sample_of_views(features: Sequence[SceneFeatures], split: Split, rng: np.random.Generator) -> Tensor:

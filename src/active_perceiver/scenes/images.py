@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ class ImageError(UserError, ValueError):
     """An image that cannot be read; the message says which and what to do."""
 
 
-def decode_image(data: bytes, name: str = "image") -> NDArray[np.uint8]:
+def decode_image(data: bytes, name: str = "image", side: int | None = None) -> NDArray[np.uint8]:
     """Decode an encoded image of any mode as upright RGB.
 
     EXIF rotation is applied, transparency is laid on light grey, grey and palette images become RGB, 16-bit
@@ -30,6 +31,8 @@ def decode_image(data: bytes, name: str = "image") -> NDArray[np.uint8]:
     Args:
         data: an encoded image (WebP, JPEG, PNG or anything Pillow reads).
         name: what to call it in an error.
+        side: of the square that `square_image` will fit it into. A JPEG at least twice as large is decoded at a
+            half, a quarter or an eighth of its size, but no smaller than it will be; this is many times faster.
 
     Returns:
         (H, W, 3) uint8.
@@ -41,6 +44,9 @@ def decode_image(data: bytes, name: str = "image") -> NDArray[np.uint8]:
         with Image.open(io.BytesIO(data)) as image:
             if image.width * image.height > MAX_PIXELS:
                 raise ImageError(f"{name} has {image.width} x {image.height} pixels; scale it down first")
+            if side is not None:
+                scale = side / max(image.size)
+                image.draft(None, (math.floor(image.width * scale) or 1, math.floor(image.height * scale) or 1))
             return np.asarray(_as_rgb(ImageOps.exif_transpose(image)))
     except UnidentifiedImageError:
         raise ImageError(f"{name} is not an image Pillow can read; save it as JPEG, PNG or WebP") from None
@@ -115,7 +121,10 @@ def square_image(image: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
         return image
     scale = size / max(height, width)
     fitted = (max(1, round(width * scale)), max(1, round(height * scale)))
-    resized = Image.fromarray(image).resize(fitted, Image.Resampling.BICUBIC, reducing_gap=3.0)
+    # For making smaller, bilinear is nearly twice as fast, and what the backbone makes of the result differs less
+    # than between JPEG qualities.
+    filtered = Image.Resampling.BILINEAR if scale < 1 else Image.Resampling.BICUBIC
+    resized = Image.fromarray(image).resize(fitted, filtered, reducing_gap=3.0)
     border = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
     red, green, blue = (int(value) for value in np.median(border, axis=0))
     square = Image.new("RGB", (size, size), (red, green, blue))

@@ -69,11 +69,13 @@ class EnvTables:
 
     def look(self, states: Any, targets: Any, pictures: Any) -> dict[str, NDArray[Any]]:
         """The observations of some searches: indices of one shape in, arrays that begin with that shape out."""
-        return {
-            "view": self.views[states].copy(),
-            "target": self.targets[targets, pictures].copy(),
-            "mask": self.masks[states, targets, pictures].copy(),
+        seen = {
+            "view": self.views[states],
+            "target": self.targets[targets, pictures],
+            "mask": self.masks[states, targets, pictures],
         }
+        # Indexing with arrays has copied already; a single index only points into the tables, which must not change.
+        return seen if np.ndim(states) else {name: array.copy() for name, array in seen.items()}
 
     def check_options(self, options: Mapping[str, Any] | None) -> dict[str, Any]:
         """The options of a reset, with a target's name replaced by its index.

@@ -77,9 +77,11 @@ class SearchVectorEnv(VectorEnv[dict[str, NDArray[Any]], NDArray[np.int64], NDAr
             raise SearchError(f"actions must be {self.num_envs} numbers in 0..{len(self.task.actions) - 1}")
         begins = self._ended
         rewards, terminated, truncated = self.searches.step(actions)
-        # What a step would have done in a search that had ended is undone by the start of its next episode.
-        self._begin(np.flatnonzero(begins), {})
-        rewards, terminated, truncated = np.where(begins, 0.0, rewards), terminated & ~begins, truncated & ~begins
+        if begins.any():
+            # What a step would have done in a search that had ended is undone by the start of its next episode.
+            self._begin(np.flatnonzero(begins), {})
+            rewards = np.where(begins, 0.0, rewards)
+            terminated, truncated = terminated & ~begins, truncated & ~begins
         self._ended = terminated | truncated
         return self._observe(), rewards, terminated, truncated, self._info()
 

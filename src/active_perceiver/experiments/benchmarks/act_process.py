@@ -13,6 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from active_perceiver.memory import peak_memory
+
 PARTS = ("decoding", "backbone", "recogniser", "policy")
 # After so many actions a new search begins: about as long as searches are.
 _ACTIONS = 20
@@ -38,18 +40,19 @@ def run_agent(
         "import", which includes starting the interpreter, "load", "reset" and "first action"; "peak_memory_gib";
         "torch": whether anything imported it.
     """
-    from active_perceiver.scenes import decode_image, read_image
+    from active_perceiver import perceiver
+    from active_perceiver.scenes import read_image
 
     agent_seconds: dict[str, float] = {}
-    imported = _imported_perceiver()
+    imported = time.time()
     data = [Path(frame).read_bytes() for frame in frames]
     started = time.perf_counter()
-    agent = _load(Path(folder), threads)
+    agent = perceiver.ActivePerceiver.from_pretrained(folder, threads)
     branch = next(iter(agent.config.branches))
     loaded = time.perf_counter()
     agent.reset(read_image(picture), branch, seed=0)
     begun = time.perf_counter()
-    agent.act(decode_image(data[0]))
+    agent.act(data[0])
     acted = time.perf_counter()
     cold = {
         "import": imported - launched,
@@ -57,19 +60,20 @@ def run_agent(
         "reset": begun - loaded,
         "first action": acted - begun,
     }
-    decode = _timed(decode_image, agent_seconds, "decoding")
-    for part, owner, method in (
+    parts: tuple[tuple[str, Any, str], ...] = (
+        ("decoding", perceiver, "decode_image"),
         ("backbone", agent.backbone, "maps"),
         ("recogniser", agent.seeker, "look"),
         ("policy", agent.policy, "probabilities"),
-    ):
+    )
+    for part, owner, method in parts:
         setattr(owner, method, _timed(getattr(owner, method), agent_seconds, part))
     seconds: Seconds = {part: [] for part in (*PARTS, "whole")}
     for number in range(repeats):
         if number % _ACTIONS == 0:
             agent.reset(read_image(picture), branch, seed=number)
         started = time.perf_counter()
-        agent.act(decode(data[number % len(data)]))
+        agent.act(data[number % len(data)])
         agent_seconds["whole"] = time.perf_counter() - started
         for part, times in seconds.items():
             times.append(agent_seconds[part])
@@ -86,8 +90,7 @@ def run_torch(
     """
     import torch
 
-    from active_perceiver.scenes import read_image
-    from active_perceiver.scenes.images import square_image
+    from active_perceiver.scenes.images import decode_image, square_image
     from active_perceiver.vision.untrained import untrained_trunk
 
     imported = time.time()
@@ -95,7 +98,7 @@ def run_torch(
     started = time.perf_counter()
     network = untrained_trunk(backbone)
     loaded = time.perf_counter()
-    images = [read_image(frame) for frame in frames]
+    images = [decode_image(Path(frame).read_bytes(), side=image_size) for frame in frames]
 
     @torch.inference_mode()
     def maps(image: Any) -> Any:
@@ -111,29 +114,6 @@ def run_torch(
         maps(images[number % len(images)])
         seconds["backbone"].append(time.perf_counter() - started)
     return _result(seconds, cold)
-
-
-def _imported_perceiver() -> float:
-    """Import what an agent needs; when it was done, seconds since the epoch."""
-    import active_perceiver.perceiver  # noqa: F401
-
-    return time.time()
-
-
-def _load(folder: Path, threads: int) -> Any:
-    """`ActivePerceiver.from_pretrained` with a given number of threads."""
-    from active_perceiver.agent_config import AgentConfig
-    from active_perceiver.perceiver import ActivePerceiver
-    from active_perceiver.recognition.recogniser import Recogniser
-    from active_perceiver.vision.backbone import load_backbone
-
-    config = AgentConfig.load(folder)
-    backbone = load_backbone(config.backbone, folder, config.image_size, threads)
-    agent: Any = ActivePerceiver(folder, config, backbone)
-    if config.task == "object":
-        # It opened its recogniser with a thread for every core.
-        agent.seeker.recogniser = Recogniser(folder / "recogniser.onnx", threads)
-    return agent
 
 
 def _timed(function: Callable[..., Any], seconds: dict[str, float], part: str) -> Callable[..., Any]:
@@ -155,23 +135,6 @@ def _result(seconds: Seconds, cold: dict[str, float]) -> dict[str, Any]:
         "peak_memory_gib": peak_memory(),
         "torch": "torch" in sys.modules,
     }
-
-
-def peak_memory() -> float | None:
-    """Most memory this process has had at once, in GiB; None where the system does not tell."""
-    try:
-        # What getrusage says on Linux includes the process that started this one.
-        lines = Path("/proc/self/status").read_text().splitlines()
-        return next(float(line.split()[1]) for line in lines if line.startswith("VmHWM")) / 2**20
-    except (OSError, StopIteration):
-        pass
-    if sys.platform == "win32":
-        return None
-    import resource
-
-    # Kibibytes, but bytes on macOS.
-    unit = 1 if sys.platform == "darwin" else 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**30
 
 
 RUNS: dict[str, Callable[..., dict[str, Any]]] = {"agent": run_agent, "torch": run_torch}

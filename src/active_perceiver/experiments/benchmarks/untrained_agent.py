@@ -9,6 +9,7 @@ from pathlib import Path
 import torch
 
 from active_perceiver.agent_config import AgentConfig, KnownTarget, picture_folder
+from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies.export import export_policy
 from active_perceiver.policies.network import PolicyNetwork
 from active_perceiver.recognition.export import export_recogniser
@@ -27,7 +28,7 @@ def save_untrained_agent(
         folder: where; made if it is not there.
         backbone: its feature extractor, copied into the folder.
         scene: its one policy branch.
-        targets: names of what it knows; it looks at all their pictures when a search begins, as a trained one does.
+        targets: names of what it knows.
         recogniser: kind, a name in `RECOGNISERS`.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -55,3 +56,4 @@ def save_untrained_agent(
         found_area=1.0,
         known_similarity=1.0,
     ).save(folder)
+    ActivePerceiver(folder, AgentConfig.load(folder), backbone).known.save_codes()

@@ -5,7 +5,6 @@ The paper trains the recogniser of its conference room on 150 pictures of each t
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -21,7 +20,7 @@ from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, 
 from active_perceiver.rooms.capturing.capture_store import CaptureStore
 from active_perceiver.rooms.capturing.kept_work import do_missing, light_arrays, lit_room
 from active_perceiver.rooms.capturing.other_rooms import OtherRoom, plan_rooms, shared_out
-from active_perceiver.rooms.capturing.rendering import check_output
+from active_perceiver.rooms.capturing.rendering import check_output, origin_of
 from active_perceiver.rooms.capturing.vantage import Eye, poses_towards
 from active_perceiver.rooms.engine.compiled import compile_room
 from active_perceiver.rooms.engine.lighting import BakedRoom, bake
@@ -35,7 +34,6 @@ from active_perceiver.scenes.storage import save_scene
 BAKE_RAYS = 48
 # Metres between the rooms' corners in the file, so that no two photographs seem to be taken at one place.
 APART = 20.0
-RENDERED_HERE = re.compile(r"active-perceiver room (\w+)_(\d+), rendered with Embree")
 
 
 @dataclass(frozen=True)
@@ -112,7 +110,7 @@ def render_elsewhere(
         OutputExistsError: if the file, or interrupted work on it, exists and nothing says what to do with it.
     """
     check_output(out, force=force)
-    layout, seed = _origin(scene)
+    layout, seed = origin_of(scene)
     if pictures < 1 or rooms < 1:
         raise CaptureError(f"there must be at least 1 picture and 1 room, got {pictures} and {rooms}")
     rows = [scene.target_index(name) for name in dict.fromkeys(targets or scene.target_names)]
@@ -153,17 +151,6 @@ def render_elsewhere(
         seen=dict(zip(scene.target_names, (taken.areas > 0).sum(axis=0).tolist(), strict=True)),
         rooms=names,
     )
-
-
-def _origin(scene: Scene) -> tuple[str, int]:
-    """Layout and seed of the room that a scene was rendered from."""
-    found = RENDERED_HERE.fullmatch(scene.source)
-    if not found:
-        raise CaptureError(
-            f"scene '{scene.name}' was not rendered by this software, so its things cannot be put into another room; "
-            "give a scene made by `scenes render`, or photograph the real things and annotate them"
-        )
-    return found[1], int(found[2])
 
 
 def _noted(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -21,7 +22,10 @@ from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, 
 from active_perceiver.rooms.capturing.capture_store import CaptureStore
 from active_perceiver.rooms.layouts import make_room
 from active_perceiver.rooms.room import Room
+from active_perceiver.scenes.scene import Scene
 from active_perceiver.scenes.storage import save_scene
+
+RENDERED_HERE = re.compile(r"active-perceiver room (\w+)_(\d+), rendered with Embree(; .*)?")
 
 
 @dataclass
@@ -86,6 +90,8 @@ def render_scene(
     resume: bool = False,
     workers: int | None = None,
     settings: CaptureSettings | None = None,
+    hour: str | None = None,
+    moved: int | None = None,
     progress: Stage = progress_bar,
 ) -> Timing:
     """Furnish a room, photograph it and write the scene file.
@@ -100,13 +106,15 @@ def render_scene(
         resume: go on with an interrupted rendering.
         workers: processes; None for one a core.
         settings: None for those of the layout, see `capture_settings.DEFAULT_SETTINGS`.
+        hour: of the day, see `layouts.make_room`; the seed's own if None.
+        moved: which other arrangement of the things, see `layouts.make_room`; the room's own if None.
         progress: opens a progress bar for each stage.
 
     Returns:
         Where the time went.
 
     Raises:
-        LayoutError: if there is no such layout, or the seed is below 1.
+        LayoutError: if there is no such layout or hour, or a number is below 1.
         OutputExistsError: if the file, or an interrupted rendering of it, exists and nothing says what to do with it.
         CaptureError: if the interrupted rendering was begun with other settings.
     """
@@ -114,12 +122,13 @@ def render_scene(
     settings = settings or DEFAULT_SETTINGS.get(layout, CaptureSettings())
     timing = Timing(workers if workers is not None else (os.cpu_count() or 1))
     with timing.stage("room"):
-        room = make_room(layout, seed)
+        room = make_room(layout, seed, hour=hour, moved=moved)
     noted = _noted(layout, seed, settings, room)
     store = CaptureStore.begin(out.with_name(f"{out.name}.part"), noted, force=force, resume=resume)
     scene = capture(room, settings, seed=seed, workers=workers, progress=timing.timed(progress), store=store)
     with timing.stage("file"):
-        save_scene(replace(scene, name=out.stem), out, force=force)
+        changed = "".join(f"; {change}" for change in changes(hour, moved))
+        save_scene(replace(scene, name=out.stem, source=f"{scene.source}{changed}"), out, force=force)
     store.remove()
     return timing
 
@@ -133,7 +142,7 @@ def render_scenes(
     resume: bool = False,
     **options: Any,
 ) -> Iterator[tuple[Path, Timing | None]]:
-    """Render a room for each seed, `LAYOUT_SEED.h5` in a folder.
+    """Render a room for each seed, in a folder; files are named as by `default_name`.
 
     Args:
         layout: kind of room.
@@ -149,7 +158,7 @@ def render_scenes(
     Raises:
         OutputExistsError: before anything is rendered, if a file exists and nothing says what to do with it.
     """
-    files = [folder / f"{layout}_{seed}.h5" for seed in seeds]
+    files = [folder / default_name(layout, seed, options.get("hour"), options.get("moved")) for seed in seeds]
     there = [path for path in files if path.exists()]
     if there and not (force or resume):
         raise OutputExistsError(
@@ -162,6 +171,32 @@ def render_scenes(
         else:
             console.print(f"{path} ({number} of {len(files)})", highlight=False)
             yield path, render_scene(layout, seed, path, force=force, resume=resume, **options)
+
+
+def changes(hour: str | None, moved: int | None) -> list[str]:
+    """In words, how a room is not what its seed says."""
+    by_name = {"hour": hour, "moved": moved}
+    return [f"{name} {value}" for name, value in by_name.items() if value is not None]
+
+
+def default_name(layout: str, seed: int, hour: str | None = None, moved: int | None = None) -> str:
+    """What a room's scene file is called: "kitchen_1.h5", "kitchen_1_hour_dusk.h5"."""
+    return f"{'_'.join([layout, str(seed), *changes(hour, moved)])}.h5".replace(" ", "_")
+
+
+def origin_of(scene: Scene) -> tuple[str, int]:
+    """Layout and seed of the room that a scene was rendered from.
+
+    Raises:
+        CaptureError: if it was not rendered here.
+    """
+    found = RENDERED_HERE.fullmatch(scene.source)
+    if not found:
+        raise CaptureError(
+            f"scene '{scene.name}' was not rendered by this software, so neither it nor its things can be rendered "
+            "again; give a scene made by `scenes render`"
+        )
+    return found[1], int(found[2])
 
 
 def check_output(out: Path, *, force: bool) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cProfile
 import pstats
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.memory import peak_memory
 from active_perceiver.progress import Report, quiet
 from active_perceiver.rooms.capturing.capture_settings import CaptureSettings
 from active_perceiver.rooms.engine import camera, pixels, shading, tone
@@ -117,7 +117,7 @@ def measure_rendering(
         "light": light_time,
         "view": _summary(times, profile),
         "target picture": picture_time,
-        "peak_memory_gib": _peak_memory(),
+        "peak_memory_gib": peak_memory(),
     }
 
 
@@ -202,13 +202,3 @@ def _stages(profile: cProfile.Profile) -> dict[str, float]:
         for stage, functions in STAGES.items()
     }
     return {**shares, REST: 1 - sum(shares.values())}
-
-
-def _peak_memory() -> float | None:
-    if sys.platform == "win32":
-        return None
-    import resource
-
-    # Kibibytes, but bytes on macOS.
-    unit = 1 if sys.platform == "darwin" else 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**30

@@ -46,13 +46,14 @@ DOOR_PAINTS = ("#d8d4ca", "#e3ddd0")
 CHAIR_SPACING = 0.78
 
 
-def furnish_conference_room(seed: int, attempt: int, contents: Contents = CONTENTS) -> Room:
+def furnish_conference_room(seed: int, attempt: int, contents: Contents = CONTENTS, hour: str | None = None) -> Room:
     """A furnished conference room.
 
     Args:
         seed: everything follows from it.
         attempt: another arrangement for the same seed, for when one does not work out.
         contents: what lies about.
+        hour: of the day, see `daylight.HOURS`; it follows from the seed if None.
 
     Raises:
         NoRoomError: if this arrangement leaves too little room for a robot or for things.
@@ -64,7 +65,7 @@ def furnish_conference_room(seed: int, attempt: int, contents: Contents = CONTEN
     walls = list(plan.walls.values())
     order = [walls[int(index)] for index in rng.permutation(4)]
     windows = [make_window(plan, wall, rng, (0.78, 0.98), height) for wall in order[: 1 if rng.random() < 0.5 else 2]]
-    light = hour_of_day([window.wall for window in windows], rng)
+    light = hour_of_day([window.wall for window in windows], rng, hour)
     ledges = _table(builder, plan, theme, rng)
     hang_door(builder, plan, [*order[2:], *order[:2]], theme, rng, DOOR_PAINTS)
     _boards(builder, plan, order, rng)

@@ -55,15 +55,21 @@ _HOURS = {
 }
 
 
-def hour_of_day(walls: Sequence[Wall], rng: np.random.Generator) -> Daylight:
+HOURS = tuple(_HOURS)
+"""Names of the hours."""
+
+
+def hour_of_day(walls: Sequence[Wall], rng: np.random.Generator, name: str | None = None) -> Daylight:
     """The light at some hour.
 
     Args:
         walls: those with windows; the sun shines in through one of them.
-        rng: chooses the hour and the direction.
+        rng: chooses the hour and the direction; as much is drawn from it when the hour is given, so that nothing
+            else about a room depends on that.
+        name: of the hour, one of `HOURS`; left to chance if None.
     """
-    names = list(_HOURS)
-    hour = _HOURS[names[int(rng.choice(len(names), p=[0.18, 0.2, 0.22, 0.12, 0.16, 0.12]))]]
+    drawn = HOURS[int(rng.choice(len(HOURS), p=[0.18, 0.2, 0.22, 0.12, 0.16, 0.12]))]
+    hour = _HOURS[name or drawn]
     sideways, steep = rng.uniform(-0.45, 0.45), rng.uniform(*hour.steep)
     wall = walls[int(rng.integers(len(walls)))]
     into, along = (np.subtract(wall.point(*way), wall.point(0.0)) for way in ((0.0, 1.0), (1.0, 0.0)))

@@ -48,13 +48,14 @@ CONTENTS = Contents(
 ON_THE_STOVE = ("pot", "pan", "kettle")
 
 
-def furnish_kitchen(seed: int, attempt: int, contents: Contents = CONTENTS) -> Room:
+def furnish_kitchen(seed: int, attempt: int, contents: Contents = CONTENTS, hour: str | None = None) -> Room:
     """A furnished kitchen.
 
     Args:
         seed: everything follows from it.
         attempt: another arrangement for the same seed, for when one does not work out.
         contents: what lies about.
+        hour: of the day, see `daylight.HOURS`; it follows from the seed if None.
 
     Raises:
         NoRoomError: if this arrangement leaves too little room for a robot or for things.
@@ -78,10 +79,10 @@ def furnish_kitchen(seed: int, attempt: int, contents: Contents = CONTENTS) -> R
     middle = _furnish(builder, plan, design, ledges, windows, rng)
     raise_walls(builder, plan, design.height, windows, theme, far, floor_of(theme.floor, theme.seed))
     targets = lay_things(builder, plan, ledges, contents, seed)
-    pots_on_the_stove(builder, main.wall.point(main.middle(design.stove), FITTED_GAP), seed)
+    pots_on_the_stove(builder, main.wall.point(main.middle(design.stove), FITTED_GAP), seed, contents.moved)
     targets |= {name: name for name in ON_THE_STOVE}
 
-    light = hour_of_day([window.wall for window in windows], rng)
+    light = hour_of_day([window.wall for window in windows], rng, hour)
     lamps = daylight_lamps(builder, windows, light, seed)
     shade = glazed(theme.accent, 0.35)
     if middle is not None:

@@ -50,13 +50,14 @@ SOFT_EDGES = 0.07
 ARMCHAIR_WIDTH, ARMCHAIR_DEPTH = 0.92, 0.98
 
 
-def furnish_living_room(seed: int, attempt: int, contents: Contents = CONTENTS) -> Room:
+def furnish_living_room(seed: int, attempt: int, contents: Contents = CONTENTS, hour: str | None = None) -> Room:
     """A furnished living room.
 
     Args:
         seed: everything follows from it.
         attempt: another arrangement for the same seed, for when one does not work out.
         contents: what lies about.
+        hour: of the day, see `daylight.HOURS`; it follows from the seed if None.
 
     Raises:
         NoRoomError: if this arrangement leaves too little room for a robot or for things.
@@ -70,7 +71,7 @@ def furnish_living_room(seed: int, attempt: int, contents: Contents = CONTENTS) 
     sides = [wall for wall in plan.walls.values() if wall not in (watched, behind)]
     glazed_walls = [sides[int(index)] for index in rng.permutation(2)][: 1 if rng.random() < 0.5 else 2]
     windows = [make_window(plan, wall, rng, (0.72, 0.95), height) for wall in glazed_walls]
-    light = hour_of_day(glazed_walls, rng)
+    light = hour_of_day(glazed_walls, rng, hour)
     ledges, lamps, middle = _seats(builder, plan, watched, behind, theme, light, rng)
     others = [*sides, watched, behind]
     hang_door(builder, plan, others, theme, rng)

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from active_perceiver.rooms.furniture.appliances import BURNERS, STOVE_TOP
 from active_perceiver.rooms.layouts.placement import LIFT, RoomBuilder, stream
+from active_perceiver.rooms.layouts.things import arrangement
 from active_perceiver.rooms.objects import OBJECTS
 from active_perceiver.rooms.shapes.geometry import Vector
 
 
-def pots_on_the_stove(builder: RoomBuilder, back: Vector, seed: int) -> None:
+def pots_on_the_stove(builder: RoomBuilder, back: Vector, seed: int, moved: int | None = None) -> None:
     """Pot and kettle on the back burners, the pan in front with its handle along the stove's front.
 
     Args:
         builder: takes the parts.
         back: the middle of the stove's back; it faces -y.
         seed: of shapes and which burner is whose.
+        moved: see `Contents.moved`.
     """
-    rng = stream(seed, "stove")
+    rng = stream(seed, arrangement("stove", moved))
     x, y, _ = back
     behind = [BURNERS[0], BURNERS[1]]
     if rng.random() < 0.5:

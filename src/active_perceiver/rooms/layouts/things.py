@@ -76,11 +76,13 @@ class Contents:
         required: names of those that must be there, each on another piece of furniture if there is enough.
         optional: what there may be besides; what finds no room is left out.
         seed: of their shapes and colours; the room's own if None.
+        moved: which other arrangement of the same things on the same furniture; the room's own if None.
     """
 
     required: tuple[str, ...]
     optional: tuple[str, ...] = ()
     seed: int | None = None
+    moved: int | None = None
 
 
 def lay_things(
@@ -107,7 +109,7 @@ def lay_things(
         rng = stream(seed if contents.seed is None else contents.seed, name)
         pieces = appliances.microwave() if name == "microwave" else OBJECTS[name](rng)
         items.append(Item(name, placed(pieces, turn=_turn(name, rng)), ALLOWED[name]))
-    rng = stream(seed, "places")
+    rng = stream(seed, arrangement("places", contents.moved))
     targets = {}
     for ledge, chosen in zip(ledges, assign(items, ledges, contents.required, rng), strict=True):
         on_floor = ledge.kind == "floor"
@@ -121,6 +123,11 @@ def lay_things(
         targets.update({item.name: item.name for item in chosen if item.name not in SCENERY})
     check_targets(builder, plan, targets)
     return dict(sorted(targets.items()))
+
+
+def arrangement(label: str, moved: int | None) -> str:
+    """Label of the random numbers that say where things lie, see `Contents.moved`."""
+    return label if moved is None else f"{label} {moved}"
 
 
 def _turn(name: str, rng: np.random.Generator) -> float:
