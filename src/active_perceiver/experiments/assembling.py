@@ -63,6 +63,7 @@ def agent_config(
                 seen.scene.name: {target.name: target.held_out for target in seen.scene.targets} for seen in sightings
             },
             "held_out_views": held_out_views,
+            "changed_views": settings.changed_views,
             "learner": settings.learner,
             "seed": settings.seed,
         },

@@ -19,6 +19,7 @@ from active_perceiver.experiments.benchmarks.outputs import check_outputs, write
 from active_perceiver.experiments.benchmarks.policies_process import FINE_RATIO, train_and_measure
 from active_perceiver.experiments.benchmarks.policies_report import format_policies, spread_rows, summary
 from active_perceiver.experiments.benchmarks.settings import PolicySettings
+from active_perceiver.experiments.changed_views import changed_observations
 from active_perceiver.experiments.evaluating import agent_sightings
 from active_perceiver.experiments.stages import policy_problems
 from active_perceiver.figures.policies_spread import policies_spread
@@ -178,14 +179,18 @@ def _open_setup(agent: ActivePerceiver, sources: Mapping[str, str]) -> Setup:
     )
     sightings = agent_sightings(agent)
     threshold = config.score_threshold
-    problems = policy_problems(sightings, threshold, int(config.training["rank"]))
+    copies, seed = int(config.training.get("changed_views", 0)), int(config.training["seed"])
+    changed = [
+        changed_observations(seen, agent.backbone, agent.recogniser, threshold, copies, seed) for seen in sightings
+    ]
+    problems = policy_problems(sightings, threshold, int(config.training["rank"]), changed)
     held_out = all(seen.held_out_pictures for seen in sightings)
     unseen = [
         Problem(problem.task, seen.observations(threshold, seen.held_out_pictures))
         for problem, seen in zip(problems, sightings, strict=True)
         if held_out
     ]
-    digest = hashlib.sha256((agent.folder / "recogniser.onnx").read_bytes())
+    digest = hashlib.sha256((agent.folder / "recogniser.onnx").read_bytes() + bytes([copies]))
     for seen in sightings:
         digest.update(seen.scene.content_hash.encode())
     return Setup(agent.folder, tuple(problems), tuple(unseen), digest.hexdigest()[:16])
