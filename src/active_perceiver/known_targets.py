@@ -18,8 +18,9 @@ from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import read_image
 from active_perceiver.vision.backbone import Backbone, pooled, pooled_middle
 
-CODES_FILE = "known_codes.npz"
-"""Where an agent keeps the codes of its targets' pictures. Without it, its first search takes longer to begin."""
+PICTURES_FILE = "known_pictures.npz"
+"""Where an agent keeps what its networks make of its targets' pictures. Without it, its first search takes longer to
+begin."""
 
 RECOGNISER_FILE = "recogniser.onnx"
 
@@ -44,13 +45,41 @@ class FoundCriterion:
         return (np.asarray(score) >= self.score) & (np.asarray(area) >= self.area)
 
 
+@dataclass(frozen=True, eq=False)
+class KnownPictures:
+    """What an agent's networks make of the K pictures of a target it was trained with.
+
+    Attributes:
+        codes: (K, C) float32, the recogniser's.
+        features: (K, D) float32, what the policy is shown of the target, see `pooled_middle`.
+    """
+
+    codes: NDArray[np.float32]
+    features: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Match:
+    """The known picture that a picture is most like.
+
+    Attributes:
+        target: which it shows.
+        picture: its number among those of the target.
+        similarity: cosine similarity of the recogniser's codes, -1..1.
+    """
+
+    target: KnownTarget
+    picture: int
+    similarity: float
+
+
 class KnownTargets:
     """The targets an agent was trained for, told apart by their pictures: how close it has to get to each.
 
     Pictures are compared by the recogniser's codes of them, which were learned to tell objects apart. Computing the
-    codes of all pictures takes as long as dozens of actions, so an agent is saved with them: `CODES_FILE` holds an
-    array for each target, named by a fingerprint of all that it was computed from. What is not there under the name
-    that it should have, is computed.
+    codes of all pictures takes as long as dozens of actions, so an agent is saved with them: `PICTURES_FILE` holds an
+    array for each target, named by a fingerprint of all that it was computed from, with a picture's code and features
+    in each row. What is not there under the name that it should have, is computed.
     """
 
     def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, recogniser: Recogniser) -> None:
@@ -59,31 +88,35 @@ class KnownTargets:
         self._backbone = backbone
         self._recogniser = recogniser
         self._stored: dict[str, NDArray[np.float32]] | None = None
-        self._codes: dict[KnownTarget, NDArray[np.float32]] = {}
+        self._rows: dict[KnownTarget, NDArray[np.float32]] = {}
 
-    def codes(self, target: KnownTarget) -> NDArray[np.float32]:
-        """(K, D) float32 unit vectors, one a picture; read or computed when first asked for.
+    def pictures(self, target: KnownTarget) -> KnownPictures:
+        """What is known of a target's pictures; read or computed when first asked for.
 
         Raises:
             AgentError: if the agent's folder holds no picture of the target.
         """
-        if target not in self._codes:
+        rows = self._known(target)
+        return KnownPictures(rows[:, : -self._backbone.channels], rows[:, -self._backbone.channels :])
+
+    def _known(self, target: KnownTarget) -> NDArray[np.float32]:
+        if target not in self._rows:
             if self._stored is None:
-                self._stored = _read_codes(self._folder / CODES_FILE)
+                self._stored = _read_rows(self._folder / PICTURES_FILE)
             files = self._pictures(target)
             stored = self._stored.get(self._fingerprint(files))
-            self._codes[target] = self._compute(files) if stored is None else stored
-        return self._codes[target]
+            self._rows[target] = self._compute(files) if stored is None else stored
+        return self._rows[target]
 
-    def save_codes(self) -> None:
-        """Write `CODES_FILE`, atomically, for all targets.
+    def save_pictures(self) -> None:
+        """Write `PICTURES_FILE`, atomically, for all targets.
 
         Raises:
             AgentError: if the agent's folder holds no picture of a target.
         """
-        codes = {self._fingerprint(self._pictures(target)): self.codes(target) for target in self._config.targets}
-        with replacing(self._folder / CODES_FILE) as temporary:
-            np.savez(temporary, allow_pickle=False, **codes)
+        rows = {self._fingerprint(self._pictures(target)): self._known(target) for target in self._config.targets}
+        with replacing(self._folder / PICTURES_FILE) as temporary:
+            np.savez(temporary, allow_pickle=False, **rows)
 
     def _pictures(self, target: KnownTarget) -> list[Path]:
         pictures = picture_folder(self._folder, target.scene, target.name)
@@ -94,7 +127,7 @@ class KnownTargets:
 
     def _compute(self, files: list[Path]) -> NDArray[np.float32]:
         maps = self._backbone.maps([read_image(file) for file in files])
-        return unit_vectors(self._recogniser.encode_target(maps))
+        return np.concatenate([self._recogniser.encode_target(maps), pooled_middle(maps)], axis=1)
 
     def _fingerprint(self, files: list[Path]) -> str:
         """Names backbone, recogniser and pictures: codes with the same fingerprint are the same."""
@@ -108,40 +141,35 @@ class KnownTargets:
         recogniser = (self._folder / RECOGNISER_FILE).read_bytes()
         return hashlib.sha256(self._backbone.fingerprint.encode() + recogniser)
 
-    def match(self, code: NDArray[np.float32], scene: str) -> KnownTarget | None:
-        """The target of a scene whose pictures are most like the one with this code; None if none is alike.
+    def match(self, code: NDArray[np.float32], scene: str) -> Match | None:
+        """The picture of a known target that the one with this code is most like; None if it is like none.
 
         Args:
-            code: (D,) the recogniser's code of a picture.
+            code: (C,) the recogniser's code of a picture.
             scene: whose targets to compare with.
         """
-        ours = unit_vectors(code)
-        similarity = {
-            target: float((self.codes(target) @ ours).max())
-            for target in self._config.targets
-            if target.scene == scene
-        }
-        best = max(similarity, key=lambda target: similarity[target], default=None)
-        return best if best is not None and similarity[best] >= self._config.known_similarity else None
+        ours, best = unit_vectors(code), None
+        for target in self._config.targets:
+            if target.scene == scene:
+                likeness = unit_vectors(self.pictures(target).codes) @ ours
+                picture = int(likeness.argmax())
+                if best is None or likeness[picture] > best.similarity:
+                    best = Match(target, picture, float(likeness[picture]))
+        return best if best is not None and best.similarity >= self._config.known_similarity else None
 
-    def criterion(self, code: NDArray[np.float32], scene: str) -> FoundCriterion:
-        """When to say found for the picture with this code.
+    def criterion(self, match: Match | None) -> FoundCriterion:
+        """When to say found for a picture that is most like a known one, or like none.
 
         A recogniser knows what it does not know less well than the rest, so for a picture that shows none of the
         known targets it has to be almost certain.
-
-        Args:
-            code: (D,) the recogniser's code of a picture.
-            scene: the policy branch of the search.
         """
-        match = self.match(code, scene)
         if match is None:
             return FoundCriterion(max(self._config.score_threshold, UNKNOWN_SCORE), self._config.found_area)
-        return FoundCriterion(self._config.score_threshold, match.found_area)
+        return FoundCriterion(self._config.score_threshold, match.target.found_area)
 
 
-def _read_codes(path: Path) -> dict[str, NDArray[np.float32]]:
-    """What is in a `CODES_FILE`; nothing if it is missing or damaged, for everything in it can be computed."""
+def _read_rows(path: Path) -> dict[str, NDArray[np.float32]]:
+    """What is in a `PICTURES_FILE`; nothing if it is missing or damaged, for everything in it can be computed."""
     try:
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
@@ -184,6 +212,9 @@ class Seeker(Protocol):
 class ObjectSeeker:
     """Looks for the object in a picture: its recogniser draws a box, and a box that is large enough means found.
 
+    A picture of a known target, however it was taken, is taken for the picture of that target which it is most like:
+    with the ones they were trained with, recogniser and policy work best.
+
     Attributes:
         recogniser: draws the boxes.
         known: the targets the agent was trained for.
@@ -201,8 +232,13 @@ class ObjectSeeker:
     def begin(self, maps: NDArray[np.float32], branch: str) -> NDArray[np.float32]:
         """See `Seeker.begin`."""
         self._code = self.recogniser.encode_target(maps)
-        self.criterion = self.known.criterion(self._code[0], branch)
-        return pooled_middle(maps)
+        match = self.known.match(self._code[0], branch)
+        self.criterion = self.known.criterion(match)
+        if match is None:
+            return pooled_middle(maps)
+        known = self.known.pictures(match.target)
+        self._code = known.codes[[match.picture]]
+        return known.features[[match.picture]]
 
     def look(self, maps: NDArray[np.float32]) -> Sight:
         """See `Seeker.look`."""

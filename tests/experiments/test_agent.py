@@ -1,6 +1,7 @@
 """ActivePerceiver: what a robot runs, without torch, and what it refuses."""
 
 import dataclasses
+import itertools
 import json
 import shutil
 import subprocess
@@ -12,9 +13,9 @@ import pytest
 from PIL import Image
 
 from active_perceiver.agent_config import AgentConfig, AgentError
-from active_perceiver.experiments.evaluating import agent_sightings
+from active_perceiver.experiments.evaluating import agent_sightings, as_asked
 from active_perceiver.files import OutputExistsError
-from active_perceiver.known_targets import CODES_FILE, UNKNOWN_SCORE, FoundCriterion
+from active_perceiver.known_targets import PICTURES_FILE, UNKNOWN_SCORE, FoundCriterion
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.robots import RecordedRobot, search
@@ -184,7 +185,7 @@ def test_save_pretrained_copies_and_does_not_overwrite(agent, scene, tmp_path):
 
 
 def codes_of(agent):
-    return [agent.known.codes(target) for target in agent.config.targets]
+    return [np.hstack([known.codes, known.features]) for known in map(agent.known.pictures, agent.config.targets)]
 
 
 def refuse_maps(*_):
@@ -196,7 +197,7 @@ def test_the_codes_an_agent_is_saved_with_are_those_it_would_compute(agent, tmp_
     copy = ActivePerceiver.from_pretrained(tmp_path / "copy")
     monkeypatch.setattr(copy.backbone, "maps", refuse_maps)
     stored = codes_of(copy)
-    (tmp_path / "copy" / CODES_FILE).unlink()
+    (tmp_path / "copy" / PICTURES_FILE).unlink()
     computed = codes_of(ActivePerceiver.from_pretrained(tmp_path / "copy"))
     assert [codes.shape for codes in stored] == [codes.shape for codes in computed]
     for one, other in zip(stored, computed, strict=True):
@@ -219,7 +220,7 @@ CODE_DAMAGES = {
 @pytest.mark.parametrize("name", CODE_DAMAGES)
 def test_damaged_codes_are_computed_anew(agent, tmp_path, name):
     agent.save_pretrained(tmp_path / "copy")
-    CODE_DAMAGES[name](tmp_path / "copy" / CODES_FILE)
+    CODE_DAMAGES[name](tmp_path / "copy" / PICTURES_FILE)
     for one, other in zip(codes_of(ActivePerceiver.from_pretrained(tmp_path / "copy")), codes_of(agent), strict=True):
         np.testing.assert_allclose(one, other, atol=1e-5)
 
@@ -238,7 +239,7 @@ def test_stale_codes_are_computed_anew(agent, scene, tmp_path):
     assert looked == [len(list(folder.glob("*")))]
     for target, codes in more.items():
         assert len(codes) == len(before[target]) + (target.name == "ball0")
-    copy.known.save_codes()
+    copy.known.save_pictures()
     fresh = ActivePerceiver.from_pretrained(tmp_path / "copy")
     fresh.backbone.maps = refuse_maps
     for target, codes in zip(fresh.config.targets, codes_of(fresh), strict=True):
@@ -366,3 +367,38 @@ def test_it_runs_where_torch_cannot_be_imported(agent_folder, scene_file):
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip().isdigit()
+
+
+def test_a_picture_of_a_known_target_is_taken_for_the_known_one(agent, scene):
+    """An unseen picture searches exactly as that picture does which it is taken for; one like none, as itself."""
+    target = scene.targets[1]
+    unseen, state = target.picture(target.trained), 9
+    code = agent.recogniser.encode_target(agent.backbone.maps([unseen]))[0]
+    agent.known._config = dataclasses.replace(agent.config, known_similarity=-1.0)
+    try:
+        match = agent.known.match(code, scene.name)
+        agent.reset(unseen, seed=0)
+        as_known = agent.act(scene.view(state))
+        agent.reset(scene.targets[scene.target_index(match.target.name)].picture(match.picture), seed=0)
+        np.testing.assert_allclose(as_known.probabilities, agent.act(scene.view(state)).probabilities, atol=1e-5)
+        agent.known._config = dataclasses.replace(agent.config, known_similarity=1.1)
+        assert agent.known.match(code, scene.name) is None
+        agent.reset(unseen, seed=0)
+        alone = agent.act(scene.view(state)).probabilities
+        assert np.abs(alone - as_known.probabilities).max() > 1e-5
+    finally:
+        agent.known._config = agent.config
+
+
+def test_the_tables_with_unseen_pictures_are_what_the_agent_sees(agent, scene):
+    seen = agent_sightings(agent)[0]
+    taken = as_asked(agent, seen)
+    for target, number in itertools.product(range(3), seen.held_out_pictures):
+        agent.reset(scene.targets[seen.targets[target]].picture(number), seed=0)
+        for state in range(0, len(scene), 23):
+            step = agent.act(scene.view(state))
+            score = taken.scores[state, target, number]
+            if abs(score - agent.config.score_threshold) > 0.02:
+                assert (step.detection is not None) == (score >= agent.config.score_threshold)
+    trained = seen.trained_pictures
+    np.testing.assert_array_equal(taken.scores[:, :, trained], seen.scores[:, :, trained])

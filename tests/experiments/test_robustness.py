@@ -165,7 +165,7 @@ def test_tables_are_what_the_agent_does(name: str, agent: ActivePerceiver, asked
     for target, name_of_it in enumerate(NAMES):
         for picture in (0, 1):
             table = policy_table(agent.policy, observations, scene.name, picture)
-            criterion = agent.known.criterion(asked.codes[target, picture], scene.name)
+            criterion = agent.known.criterion(agent.known.match(asked.codes[target, picture], scene.name))
             for state in (0, 17, 101):
                 view = scene.view(state)
                 if change is not None:

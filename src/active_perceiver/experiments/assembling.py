@@ -9,23 +9,25 @@ import numpy as np
 
 from active_perceiver.agent_config import AgentConfig, KnownTarget, picture_folder
 from active_perceiver.experiments import own_word
+from active_perceiver.experiments.likeness import known_similarity, strangers_codes
 from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.experiments.sightings import Sightings
 from active_perceiver.experiments.view_searches import ViewSearches
 from active_perceiver.files import replacing
 from active_perceiver.perceiver import ActivePerceiver
-from active_perceiver.policies.restless import unit_vectors
 from active_perceiver.recognition.recogniser import Recogniser
 from active_perceiver.scenes import bundled_names
 from active_perceiver.scenes.images import image_suffix
 from active_perceiver.search.task import SearchTask
 from active_perceiver.vision.backbone import Backbone
+from active_perceiver.vision.cache import SceneFeatures
 
 
 def agent_config(
     settings: TrainSettings,
     backbone: Backbone,
     sightings: Sequence[Sightings],
+    features: Sequence[SceneFeatures],
     recogniser: Recogniser,
     held_out_views: dict[str, list[int]],
 ) -> AgentConfig:
@@ -35,6 +37,7 @@ def agent_config(
         settings: what it was trained with.
         backbone: of the features.
         sightings: what its recogniser sees in each scene.
+        features: of these scenes.
         recogniser: the trained one.
         held_out_views: by scene, the views of places it was not trained in.
     """
@@ -54,7 +57,7 @@ def agent_config(
         branches={seen.scene.name: [action.value for action in seen.scene.actions] for seen in sightings},
         targets=known,
         found_area=float(np.median([target.found_area for target in known])),
-        known_similarity=_least_similarity(sightings),
+        known_similarity=known_similarity(sightings, strangers_codes(sightings, features, recogniser)),
         training={
             "scenes": [_source(source) for source in settings.scenes],
             "recogniser_scenes": [_source(source) for source in settings.recogniser_scenes or settings.scenes],
@@ -75,22 +78,8 @@ def _source(source: str) -> str:
     return source if source in bundled_names() else str(Path(source).resolve())
 
 
-def _least_similarity(sightings: Sequence[Sightings]) -> float:
-    """How alike a picture must be to those of a known target to count as one of it.
-
-    A little less than the most unlike picture of any target is to its nearest other picture.
-    """
-    least = 1.0
-    for seen in sightings:
-        for codes in unit_vectors(seen.target_codes[:, : seen.trained]):
-            likeness = codes @ codes.T
-            np.fill_diagonal(likeness, -1.0)
-            least = min(least, float(likeness.max(axis=1).min())) if len(codes) > 1 else least
-    return 0.97 * least
-
-
 def save_pictures(sightings: Sequence[Sightings], work: Path) -> None:
-    """Keep the pictures that were trained on, by which the agent knows its targets again, and the codes of them.
+    """Keep the pictures that were trained on, by which the agent knows its targets, and what it makes of them.
 
     Args:
         sightings: what the agent's recogniser sees in each scene.
@@ -99,8 +88,8 @@ def save_pictures(sightings: Sequence[Sightings], work: Path) -> None:
     for seen in sightings:
         for index in seen.targets:
             target = seen.scene.targets[index]
-            _write_pictures(picture_folder(work, seen.scene.name, target.name), target.pictures[: target.trained])
-    ActivePerceiver.from_pretrained(work).known.save_codes()
+            _write_pictures(picture_folder(work, seen.scene.name, target.name), target.pictures[: seen.trained])
+    ActivePerceiver.from_pretrained(work).known.save_pictures()
 
 
 def view_agent_config(settings: TrainSettings, backbone: Backbone, searches: Sequence[ViewSearches]) -> AgentConfig:

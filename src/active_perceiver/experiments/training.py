@@ -125,7 +125,7 @@ def _train_for_objects(
     changed = _see_changed(settings, material, sightings, recogniser, seconds)
     history = _policy_stage(settings, sightings, changed, recogniser, work, seconds)
     held_out_views = recogniser_metrics.pop("held_out_views")
-    config = agent_config(settings, material.backbone, sightings, recogniser, held_out_views)
+    config = agent_config(settings, material.backbone, sightings, material.features, recogniser, held_out_views)
     config.save(work)
     save_pictures(sightings, work)
     agent = ActivePerceiver.from_pretrained(work)

@@ -20,7 +20,7 @@ from active_perceiver.experiments.benchmarks.policies_process import FINE_RATIO,
 from active_perceiver.experiments.benchmarks.policies_report import format_policies, spread_rows, summary
 from active_perceiver.experiments.benchmarks.settings import PolicySettings
 from active_perceiver.experiments.changed_views import changed_observations
-from active_perceiver.experiments.evaluating import agent_sightings
+from active_perceiver.experiments.evaluating import agent_sightings, as_asked
 from active_perceiver.experiments.stages import policy_problems
 from active_perceiver.figures.policies_spread import policies_spread
 from active_perceiver.perceiver import ActivePerceiver
@@ -186,7 +186,7 @@ def _open_setup(agent: ActivePerceiver, sources: Mapping[str, str]) -> Setup:
     problems = policy_problems(sightings, threshold, int(config.training["rank"]), changed)
     held_out = all(seen.held_out_pictures for seen in sightings)
     unseen = [
-        Problem(problem.task, seen.observations(threshold, seen.held_out_pictures))
+        Problem(problem.task, as_asked(agent, seen).observations(threshold, seen.held_out_pictures))
         for problem, seen in zip(problems, sightings, strict=True)
         if held_out
     ]

@@ -56,4 +56,4 @@ def save_untrained_agent(
         found_area=1.0,
         known_similarity=1.0,
     ).save(folder)
-    ActivePerceiver(folder, AgentConfig.load(folder), backbone).known.save_codes()
+    ActivePerceiver(folder, AgentConfig.load(folder), backbone).known.save_pictures()
