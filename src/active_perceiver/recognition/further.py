@@ -28,8 +28,9 @@ Report = Callable[[int, int], None]
 class FurtherConfig:
     """How much further material is made."""
 
-    views: int = 3
-    """Copies of each view, from nearer and in other light."""
+    views: int = 2400
+    """Copies of views in all, from nearer and in other light; of each view equally many, at least one unless it is 0:
+    where views are few, each is worth more copies, and where they are many, training takes no longer."""
     pictures: int = 4
     """Copies of each target picture, framed otherwise and in other light."""
     cut_outs: int = 16
@@ -97,7 +98,8 @@ def make_further(
         number = scene_of_view[row]
         return scenes[number].view(int(row - first_view[number]))
 
-    originals = np.tile(np.flatnonzero(~split.views), config.views)
+    learned = np.flatnonzero(~split.views)
+    originals = np.tile(learned, max(round(config.views / len(learned)), int(config.views > 0)))
     cut_outs = [_views_to_cut_from(data, split, target, config.cut_outs, rng) for target in range(len(data.names))]
     targets = [target for scene in scenes for target in scene.targets]
     copied = np.where(split.targets, 0, split.seen_pictures * config.pictures)
