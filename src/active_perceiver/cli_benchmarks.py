@@ -13,6 +13,7 @@ from active_perceiver.cli_scenes import help_text
 from active_perceiver.experiments.benchmarks.settings import (
     ActSpeedSettings,
     PolicySettings,
+    RecogniserBenchmarkSettings,
     RobustnessSettings,
     ScaleSettings,
     TrainSpeedSettings,
@@ -192,6 +193,27 @@ class BenchmarkScale:
         return 0
 
 
+@dataclass
+class BenchmarkRecogniser:
+    """What each ingredient of the recogniser's training is worth, and how good it is on targets it never learned."""
+
+    settings: OmitArgPrefixes[RecogniserBenchmarkSettings] = field(default_factory=RecogniserBenchmarkSettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+    resume: bool = False
+    """Go on after the trainings that an interrupted run has finished."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.recogniser import recogniser_command
+
+        recogniser_command(self.settings, self.out, self.picture, force=self.force, resume=self.resume)
+        return 0
+
+
 BenchmarkCommand = (
     Annotated[
         BenchmarkRender,
@@ -274,6 +296,18 @@ BenchmarkCommand = (
                 "by what their recognisers see: success, ratio to the shortest paths, seconds; the worst seed too.",
                 "benchmark policies kitchen_agent --out policies.json --picture policies.png",
                 "benchmark policies kitchen_agent office_agent --learners mirror-descent ppo --seeds 3",
+            ),
+        ),
+    ]
+    | Annotated[
+        BenchmarkRecogniser,
+        subcommand(
+            "recogniser",
+            description=help_text(
+                "What each ingredient of the recogniser's training is worth, judged on places it has not been "
+                "trained in: one is left out after the other. And how good it is on targets it never learned.",
+                "benchmark recogniser --out recogniser.json --picture recogniser.png",
+                "benchmark recogniser --scenes living_room_1 --variants default 'from scratch' --steps 200",
             ),
         ),
     ]

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -161,6 +162,19 @@ def test_what_is_not_defined_is_loaded_too(judged, tmp_path):
     again = CrossValidated.load(tmp_path / "some.npz").metrics["seen pictures"]
     assert np.isnan(again.auroc)
     assert again.pairs == 1
+
+
+def test_metrics_of_before_there_was_a_calibration_error_are_loaded(judged, saved):
+    with np.load(saved) as file:
+        arrays = dict(file)
+    metrics = json.loads(arrays.pop("metrics").item())
+    for measured in metrics.values():
+        for one in (measured, *measured["per_target"].values()):
+            del one["calibration_error"]
+    np.savez_compressed(saved, metrics=json.dumps(metrics), **arrays)
+    for name, measured in CrossValidated.load(saved).metrics.items():
+        assert np.isnan(measured.calibration_error)
+        assert measured.ap50 == judged.metrics[name].ap50
 
 
 @pytest.mark.parametrize("cut", [0, 1, 100, -1, -200])

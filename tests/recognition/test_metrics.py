@@ -14,6 +14,7 @@ from active_perceiver.recognition.metrics import (
     auroc,
     average_precision,
     box_iou,
+    calibration_error,
     choose_threshold,
 )
 
@@ -102,10 +103,29 @@ def test_metrics_by_hand():
     assert metrics.mean_iou == pytest.approx((1 + 1 / 7) / 2)
     assert metrics.ap50 == 0.5
     assert (metrics.recall, metrics.false_positive_rate) == (0.5, 0.5)
+    assert metrics.calibration_error == pytest.approx((0.1 + 0.6 + 0.6 + 0.1) / 4)  # each in a bin of its own
     assert metrics.per_target["a"].auroc == 0.5
     plain = json.loads(json.dumps(metrics.as_dict(), allow_nan=False))
     assert plain["per_target"]["b"]["auroc"] is None
     assert plain["per_target"]["b"]["pairs"] == 1
+
+
+@given(st.lists(st.tuples(st.integers(0, 40), st.booleans()), min_size=1, max_size=60))
+def test_calibration_error_is_the_mean_gap_of_the_bins(pairs):
+    scores, present = np.array([s / 40 for s, _ in pairs]), np.array([p for _, p in pairs])
+    expected = 0.0
+    for number in range(10):
+        inside = [k for k, (s, _) in enumerate(pairs) if min(s // 4, 9) == number]
+        if inside:
+            expected += len(inside) / len(pairs) * abs(scores[inside].mean() - present[inside].mean())
+    assert calibration_error(scores, present) == pytest.approx(expected)
+
+
+def test_calibration_error_where_it_is_known(rng):
+    probabilities = rng.random(200_000).astype(np.float32)
+    assert calibration_error(probabilities, rng.random(200_000) < probabilities) < 0.01
+    assert calibration_error(np.ones(4), np.array([True, False, False, True])) == 0.5
+    assert np.isnan(calibration_error(np.empty(0), np.empty(0, bool)))
 
 
 def test_bad_input():

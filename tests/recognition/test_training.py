@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -115,6 +116,23 @@ def test_pictures_that_are_held_out_never_reach_the_network(scene, features):
     assert all(torch.equal(one[name], two[name]) for name in learned)
 
 
+def test_without_steps_the_start_is_judged_as_it_is(scene, features, trained, backbone, monkeypatch):
+    from active_perceiver.recognition import training
+
+    start = deepcopy(trained.network)
+    monkeypatch.setattr(training, "pretrained_network", lambda *_: deepcopy(start))
+    result = train_recogniser([scene], [features], replace(SHORT, steps=0), backbone=backbone)
+    learned = dict(start.named_parameters())
+    assert all(torch.equal(learned[name], value) for name, value in result.network.named_parameters())
+    np.testing.assert_array_equal(result.validation_views, trained.validation_views)
+    for name, metrics in result.metrics.items():  # calibrated again: scores differ, their order does not
+        assert metrics.auroc == pytest.approx(trained.metrics[name].auroc, abs=1e-3)
+        assert metrics.mean_iou == pytest.approx(trained.metrics[name].mean_iou)
+    scratch = train_recogniser([scene], [features], replace(SHORT, steps=0, start="scratch"), backbone=backbone)
+    assert 0 < scratch.threshold < 1
+    assert scratch.metrics["seen pictures"].ap50 < 0.5 < trained.metrics["seen pictures"].ap50
+
+
 def test_what_is_judged_is_spread_over_the_pictures():
     assert [_spread(*ends) for ends in ((0, 8), (8, 12), (2, 3), (4, 4))] == [[0, 4], [8, 10], [2], []]
 
@@ -125,7 +143,9 @@ def test_bad_input(scene, features):
     with pytest.raises(RecogniserError, match="optimiser is one of adamw, sgd"):
         RecogniserConfig(optimiser="adam")
     with pytest.raises(RecogniserError, match="at least 1"):
-        RecogniserConfig(steps=0)
+        RecogniserConfig(steps=-1)
+    with pytest.raises(RecogniserError, match="at least 1"):
+        RecogniserConfig(views=0)
     with pytest.raises(RecogniserError, match="held_out_places"):
         RecogniserConfig(held_out_places=1.0)
     with pytest.raises(RecogniserError, match="averaging"):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.ahead import batches_ahead
 from active_perceiver.progress import Report, progress_bar, quiet
 from active_perceiver.recognition.recogniser import Recogniser, detect_table
 from active_perceiver.scenes import Scene, Target
@@ -121,14 +121,15 @@ def look_at(
     features = np.empty((count, backbone.channels), np.float32)
     scores = np.empty((count, *codes.shape[:2]), np.float32)
     boxes = np.empty((*scores.shape, 4), np.float32)
-    flat, left = codes.reshape(-1, codes.shape[2]), iter(images)
-    for start in range(0, count, BATCH):
-        maps = backbone.maps(list(islice(left, BATCH)))
-        features[start : start + BATCH] = pooled(maps)
-        for number, one in enumerate(maps, start):  # all pictures with one view are enough at a time
+    flat, done = codes.reshape(-1, codes.shape[2]), 0
+    for batch in batches_ahead(images, BATCH):
+        maps = backbone.maps(batch)
+        features[done : done + len(maps)] = pooled(maps)
+        for number, one in enumerate(maps, done):  # all pictures with one view are enough at a time
             probabilities, places = recogniser.detect_many(one[None], flat)
             scores[number], boxes[number] = probabilities.reshape(scores.shape[1:]), places.reshape(boxes.shape[1:])
-        progress(start + len(maps), count)
+        done += len(maps)
+        progress(done, count)
     return features, scores, boxes
 
 

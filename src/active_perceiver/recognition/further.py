@@ -10,6 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from active_perceiver.ahead import batches_ahead
 from active_perceiver.recognition.augmentation import changed_picture, changed_view, picture_from_view
 from active_perceiver.recognition.network import RecogniserNetwork
 from active_perceiver.recognition.pairs import ABSENT, PRESENT, UNJUDGED, Annotations, Split
@@ -159,9 +160,7 @@ def _states(data: Annotations, row: int, inside: NDArray[np.float32], kept: NDAr
 @torch.inference_mode()
 def _prepared(images: Iterator[NDArray[np.uint8]], backbone: Backbone, prepare: Callable[[Tensor], Tensor]) -> Tensor:
     """Like `training.prepared`, from images and a batch at a time: their feature maps would fill the memory."""
-    parts = []
-    while batch := [image for _, image in zip(range(BATCH), images, strict=False)]:
-        parts.append(prepare(torch.from_numpy(backbone.maps(batch))).half())
+    parts = [prepare(torch.from_numpy(backbone.maps(batch))).half() for batch in batches_ahead(images, BATCH)]
     if not parts:
         shape = backbone.channels, backbone.map_size, backbone.map_size
         return prepare(torch.zeros(1, *shape)).half()[:0]

@@ -1,4 +1,4 @@
-"""How good a recogniser is: AUROC, average precision at IoU 0.5, mean IoU. Plain numpy."""
+"""How good a recogniser is: AUROC, average precision at IoU 0.5, mean IoU, calibration. Plain numpy."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 # Objects that cover less of the image than this are too small to judge: they count neither as there nor as absent.
 SMALLEST_AREA = 0.003
+# Bins of equal width in which probabilities are compared with how often they are right.
+CALIBRATION_BINS = 10
 
 
 def box_iou(one: NDArray[np.floating], other: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -70,6 +72,28 @@ def average_precision(scores: NDArray[np.floating], hits: NDArray[np.bool_], pos
     return float(best_from_here_on[hit].sum() / positives)
 
 
+def calibration_error(probabilities: NDArray[np.floating], present: NDArray[np.bool_]) -> float:
+    """How far probabilities are from how often they are right: the expected calibration error.
+
+    Guo et al., "On Calibration of Modern Neural Networks", ICML 2017, https://arxiv.org/abs/1706.04599, equation 3,
+    for the probability that the object is there: in each bin of equal width the mean probability less the fraction of
+    positives, without its sign, averaged over all.
+
+    Args:
+        probabilities: (N,) 0..1.
+        present: (N,) truth.
+
+    Returns:
+        0..1; NaN if there are none.
+    """
+    if not len(probabilities):
+        return float("nan")
+    bins = np.clip((probabilities * CALIBRATION_BINS).astype(np.int64), 0, CALIBRATION_BINS - 1)
+    # A bin's difference of means times its share of all is the difference of its sums over the number of all.
+    excess = np.bincount(bins, probabilities.astype(np.float64) - present, CALIBRATION_BINS)
+    return float(np.abs(excess).sum() / len(probabilities))
+
+
 @dataclass(frozen=True)
 class RecognitionMetrics:
     """Quality of a recogniser over pairs of a view and a target picture.
@@ -83,6 +107,8 @@ class RecognitionMetrics:
         threshold: score from which on a detection counts, for the two rates below.
         recall: fraction of the positives that score at least the threshold.
         false_positive_rate: fraction of the negatives that do.
+        calibration_error: of the scores as probabilities, see `calibration_error`; NaN in what was saved before there
+            was one.
         per_target: the same for each target by name.
     """
 
@@ -94,6 +120,7 @@ class RecognitionMetrics:
     threshold: float
     recall: float
     false_positive_rate: float
+    calibration_error: float = float("nan")
     per_target: Mapping[str, RecognitionMetrics] = field(default_factory=dict)
 
     @classmethod
@@ -151,6 +178,7 @@ class RecognitionMetrics:
             threshold=threshold,
             recall=_mean(scores[present] >= threshold),
             false_positive_rate=_mean(scores[~present] >= threshold),
+            calibration_error=calibration_error(scores, present),
             per_target=per_target,
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import cast
 
@@ -42,7 +42,7 @@ class RecogniserConfig:
     kind: str = "matching"
     """Which network: "matching" (a heat map of the target's centre) or "pooled" (the paper's)."""
     steps: int = 3000
-    """Updates of the weights."""
+    """Updates of the weights; 0 to judge the start as it is, calibrated and with a threshold of its own."""
     views: int = 24
     """Views in a batch."""
     targets: int = 3
@@ -93,8 +93,8 @@ class RecogniserConfig:
         for name, known in choices.items():
             if getattr(self, name) not in known:
                 raise RecogniserError(f"{name} is one of {', '.join(known)}, not '{getattr(self, name)}'")
-        if min(self.steps, self.views, self.targets, 1 if self.threads is None else self.threads) < 1:
-            raise RecogniserError("steps, views, targets and threads must be at least 1")
+        if min(self.views, self.targets, 1 if self.threads is None else self.threads) < 1 or self.steps < 0:
+            raise RecogniserError("views, targets and threads must be at least 1, steps at least 0")
         if not (0.0 <= self.held_out_places < 1.0 and 0.0 <= self.averaging < 1.0):
             raise RecogniserError("held_out_places and averaging must be at least 0 and less than 1")
         if not (0.0 <= self.present <= 1.0 and 0.0 <= self.own_pictures <= 1.0):
@@ -249,11 +249,14 @@ def _train(
     spreads = (views[torch.from_numpy(~split.views)], pictures[trained_pictures])
     noise = tuple(config.noise * float(table.float().std()) for table in spreads)
     del spreads
-    if backbone is None or config.further == NO_FURTHER:
+    if backbone is None or config.further == NO_FURTHER or config.steps == 0:
         sampler = PairSampler(data, split, config.present, rng)
         material = views, pictures
     else:
-        further = make_further(scenes, backbone, network, data, split, config.further, rng, progress[1])
+        # A short training would not see more copies than that.
+        most = config.steps * config.views // 8
+        wanted = replace(config.further, views=min(config.further.views, most))
+        further = make_further(scenes, backbone, network, data, split, wanted, rng, progress[1])
         everything = further.added_to(data, split)
         sampler = PairSampler(*everything, config.present, rng, further.counts, config.own_pictures)
         material = torch.cat([views, further.views]), torch.cat([pictures, further.pictures], dim=1)

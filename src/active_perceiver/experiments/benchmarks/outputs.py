@@ -1,4 +1,4 @@
-"""What both benchmarks do with their results: refuse to overwrite before they measure, write when they have."""
+"""What all benchmarks do with their results: refuse to overwrite before they measure, write when they have."""
 
 from __future__ import annotations
 

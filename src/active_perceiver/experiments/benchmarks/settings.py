@@ -118,3 +118,24 @@ class ScaleSettings:
     """CPU threads of each training."""
     seed: int = 0
     """Of the scenes and of the trainings."""
+
+
+@dataclass(frozen=True)
+class RecogniserBenchmarkSettings:
+    """Which recognisers are trained, where, and how often."""
+
+    scenes: tuple[str, ...] = ("kitchen_1", "conference_room")
+    """Where recognisers are trained and judged, bundled names or files; each scene on its own."""
+    variants: tuple[str, ...] = ()
+    """Names of what to train, such as "default" or "no averaging", see docs/benchmarks/recogniser.md; all if not
+    given."""
+    seeds: int = 1
+    """Trainings of each variant in each scene; their seeds are 0, 1, 2 and so on."""
+    steps: int | None = None
+    """Updates of every training, to try something quickly; each variant's own number if not given."""
+    threads: int | None = None
+    """CPU threads of each training; as many as there are cores if not given."""
+    backbone: str = "efficientnet_lite0"
+    """Where the features of views and pictures come from."""
+    image_size: int = 320
+    """Side in pixels to which pictures are scaled for the backbone; a multiple of 32."""
