@@ -49,14 +49,18 @@ def test_the_times():
 
 
 def test_what_the_project_promises_of_its_demo():
-    """The numbers the first release set out to reach (policy, recogniser and own word), as committed."""
+    """The numbers this project set out to reach (policy, recogniser and own word), as committed."""
     assert RESULT["overall"]["success"] == 1.0
-    assert RESULT["overall"]["ratio"] <= 1.10
-    assert RESULT["seconds"]["policy"] <= 60
+    assert RESULT["overall"]["ratio"] <= 1.02
+    assert RESULT["seconds"]["policy"] <= 15
     assert RESULT["seconds"]["recogniser"] <= 240
     assert RESULT["seconds"]["demo"] <= 360
-    matching = RESULT["recogniser"]["matching"]["metrics"]["seen pictures"]
-    assert matching["auroc"] >= 0.98
-    assert matching["ap50"] >= 0.8
-    for result in RESULT["own_word"]["pictures_seen"]["per_target"]:
-        assert result["true_found"] >= 0.9
+    for pictures, auroc, ap50 in (("seen pictures", 0.997, 0.93), ("unseen pictures", 0.994, 0.91)):
+        metrics = RESULT["recogniser"]["matching"]["metrics"][pictures]
+        assert metrics["auroc"] >= auroc
+        assert metrics["ap50"] >= ap50
+        assert metrics["false_positive_rate"] < 0.01
+    for pictures in ("pictures_seen", "pictures_unseen"):
+        for result in RESULT["own_word"][pictures]["per_target"]:
+            assert result["true_found"] >= 0.95
+            assert result["false_found"] <= 0.02
