@@ -43,6 +43,10 @@ def test_every_scene_is_solved(named: tuple[str, dict[str, Any]]) -> None:
     _, result = named
     assert result["overall"]["success"] == 1.0
     assert result["overall"]["ratio"] <= 1.03
+    for pictures in ("pictures_seen", "pictures_unseen"):
+        overall = result["own_word"][pictures]["overall"]
+        assert overall["true_found"] >= 0.95
+        assert overall["false_found"] <= 0.02
 
 
 def test_forty_rooms_of_each_layout_are_sound() -> None:
