@@ -48,6 +48,24 @@ def test_the_times():
         assert f"{RESULT['seconds'][name]:.0f} s" in README
 
 
+@pytest.mark.parametrize(
+    ("label", "name"),
+    [
+        ("one kitchen, 4 objects", "kitchen_1"),
+        ("four rooms, 16 objects", "four_rooms"),
+        ("conference room, 6 actions", "conference_room"),
+    ],
+)
+def test_the_figures_beside_the_papers(label, name):
+    result = json.loads((ROOT / "benchmarks" / "scenes" / f"{name}.json").read_text())
+    overall, word = result["overall"], result["own_word"]["pictures_unseen"]["overall"]
+    assert row_of(label)[2:] == [
+        f"{100 * overall['success']:.0f} %, {overall['mean_steps']:.1f} actions",
+        f"{overall['ratio']:.3f}",
+        f"{100 * word['true_found']:.1f} %, {100 * word['false_found']:.1f} %",
+    ]
+
+
 def test_what_the_project_promises_of_its_demo():
     """The numbers this project set out to reach (policy, recogniser and own word), as committed."""
     assert RESULT["overall"]["success"] == 1.0

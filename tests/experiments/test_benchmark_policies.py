@@ -20,6 +20,7 @@ from active_perceiver.experiments.benchmarks import policies
 from active_perceiver.experiments.benchmarks.policies_process import train_and_measure
 from active_perceiver.experiments.benchmarks.policies_report import format_policies, spread_rows, summary
 from active_perceiver.experiments.benchmarks.settings import PolicySettings
+from active_perceiver.experiments.changed_views import changed_observations
 from active_perceiver.experiments.evaluating import agent_sightings
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies import LEARNERS, DistilConfig
@@ -89,7 +90,9 @@ def test_the_problem_is_the_one_that_training_has_and_the_figures_are_plain_ones
     agent = ActivePerceiver.from_pretrained(agent_folder)
     (seen,) = agent_sightings(agent)
     task = SearchTask.from_scene(seen.scene, seen.names)
-    trained = Problem(task, seen.observations(agent.recogniser.threshold, seen.trained_pictures))
+    threshold, copies = agent.recogniser.threshold, agent.config.training["changed_views"]
+    changed = changed_observations(seen, agent.backbone, agent.recogniser, threshold, copies, 0)
+    trained = Problem(task, seen.observations(threshold, seen.trained_pictures), changed)
     (problem,) = setup.problems
     for name in ("view_features", "target_features", "masks"):
         np.testing.assert_array_equal(getattr(problem.observations, name), getattr(trained.observations, name))
