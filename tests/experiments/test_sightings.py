@@ -58,7 +58,7 @@ def test_an_agent_of_scenes_with_other_numbers_of_pictures(uneven, settings, tmp
     config = json.loads((tmp_path / "agent" / "config.json").read_text())
     assert config["training"]["held_out_pictures"]["uneven"] == {"ball0": 2, "ball1": 1}
     kept = [len(list(picture_folder(tmp_path / "agent", "uneven", f"ball{k}").iterdir())) for k in range(2)]
-    assert kept == [4, 3]
+    assert kept == [3, 3]  # those that training used: equally many of each target
     assert len(body["unseen_pictures"]["per_target"]) == 5
     agent = ActivePerceiver.from_pretrained(tmp_path / "agent")
     toy, seen = agent_sightings(agent)
