@@ -66,6 +66,22 @@ def test_the_figures_beside_the_papers(label, name):
     ]
 
 
+def test_the_worst_policies_and_the_time_of_an_action():
+    summary = json.loads((ROOT / "benchmarks" / "policies.json").read_text())["summary"]
+    rows = [row for row in summary if row["learner"] == "mirror-descent"]
+    for group in ([row for row in rows if row["setup"] != "4 scenes"], [rows[-1]]):
+        ratio, seconds = (max(row[name]["worst"] for row in group) for name in ("ratio", "seconds"))
+        assert all(row["success"] == 1.0 for row in group)
+        assert f"{ratio:.3f} x" in README
+        assert f"{seconds:.0f} s" in README
+    (action,) = [
+        one
+        for one in json.loads((ROOT / "benchmarks" / "act.json").read_text())["actions"]
+        if one["backbone"] == "efficientnet_lite0" and one["threads"] == 1
+    ]
+    assert 9.0 <= action["ms"]["whole"]["median"] <= 11.0
+
+
 def test_what_the_project_promises_of_its_demo():
     """The numbers this project set out to reach (policy, recogniser and own word), as committed."""
     assert RESULT["overall"]["success"] == 1.0
