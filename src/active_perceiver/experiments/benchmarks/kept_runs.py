@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -67,3 +69,30 @@ class KeptRuns:
                 "anew"
             )
         return runs
+
+
+@contextmanager
+def kept_beside(
+    out: Path | None, settings: dict[str, Any], *, force: bool, resume: bool
+) -> Iterator[tuple[list[dict[str, Any]], Callable[[dict[str, Any]], None]]]:
+    """The runs that were finished earlier, and what keeps a further one; nothing is kept without a result file.
+
+    The file of runs is removed when the block, which writes the result at its end, is left without an exception.
+    See `KeptRuns` for the arguments and for what is raised.
+    """
+    if out is None:
+        yield [], lambda run: None
+        return
+    kept = KeptRuns(out, settings, force=force, resume=resume)
+    yield kept.runs, kept.add
+    kept.delete()
+
+
+def check_resume(resume: bool, out: Path | None) -> None:
+    """Make sure that there is something to go on with.
+
+    Raises:
+        UserError: if `resume` is asked for without a result file.
+    """
+    if resume and out is None:
+        raise UserError("--resume goes on with what is kept beside the result file; name it with --out")

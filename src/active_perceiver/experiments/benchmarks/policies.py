@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from active_perceiver.errors import UserError
-from active_perceiver.experiments.benchmarks.kept_runs import KeptRuns
+from active_perceiver.experiments.benchmarks.kept_runs import check_resume, kept_beside
 from active_perceiver.experiments.benchmarks.outputs import check_outputs, write_outputs
 from active_perceiver.experiments.benchmarks.policies_process import FINE_RATIO, train_and_measure
 from active_perceiver.experiments.benchmarks.policies_report import format_policies, spread_rows, summary
@@ -76,10 +76,6 @@ class Setup:
         }
 
 
-def _forget(run: Run) -> None:
-    """Without a result file nothing is kept."""
-
-
 def policies_command(
     folders: Sequence[Path],
     settings: PolicySettings,
@@ -111,22 +107,20 @@ def policies_command(
     # An interrupted run has not written its result yet, so `resume` has nothing to say about an existing one.
     check_outputs(force, out, picture)
     configs = checked_configs(settings)
-    if resume and out is None:
-        raise UserError("--resume goes on with what is kept beside the result file; name it with --out")
+    check_resume(resume, out)
     setups = open_setups(folders, settings.scenes)
     facts = {
         **asdict(settings),
         "setups": {setup.name: setup.fingerprint for setup in setups},
         "learners": {name: asdict(config) for name, config in configs.items()},
     }
-    kept = None if out is None else KeptRuns(out, facts, force=force, resume=resume)
-    done, keep = ([], _forget) if kept is None else (kept.runs, kept.add)
-    with progress_bar("trainings") as report:
-        body = measure_policies(setups, configs, settings, done, keep, report)
-    print(format_policies(body))
-    write_outputs("benchmark policies", body, out, picture, lambda: policies_spread(spread_rows(body), FINE_RATIO))
-    if kept is not None:
-        kept.delete()
+    with kept_beside(out, facts, force=force, resume=resume) as (done, keep):
+        with progress_bar("trainings") as report:
+            body = measure_policies(setups, configs, settings, done, keep, report)
+        print(format_policies(body))
+        write_outputs(
+            "benchmark policies", body, out, picture, lambda: policies_spread(spread_rows(body), FINE_RATIO)
+        )
     return body
 
 
@@ -201,7 +195,7 @@ def measure_policies(
     configs: Mapping[str, LearnerConfig],
     settings: PolicySettings,
     done: Sequence[Run] = (),
-    keep: Callable[[Run], None] = _forget,
+    keep: Callable[[Run], None] = lambda run: None,
     progress: Report = quiet,
 ) -> dict[str, Any]:
     """Train policies in each setup by each learner with each seed, one after the other, each in a fresh process.

@@ -11,8 +11,7 @@ from typing import Any
 
 import torch
 
-from active_perceiver.errors import UserError
-from active_perceiver.experiments.benchmarks.kept_runs import KeptRuns
+from active_perceiver.experiments.benchmarks.kept_runs import check_resume, kept_beside
 from active_perceiver.experiments.benchmarks.outputs import check_outputs, write_outputs
 from active_perceiver.experiments.benchmarks.recogniser_report import (
     GOALS,
@@ -55,10 +54,6 @@ class Rooms:
         return hashlib.sha256(path.read_bytes()).hexdigest()[:16] if path.is_file() else None
 
 
-def _forget(run: Run) -> None:
-    """Without a result file nothing is kept."""
-
-
 def recogniser_command(
     settings: RecogniserBenchmarkSettings,
     out: Path | None = None,
@@ -88,8 +83,7 @@ def recogniser_command(
     # An interrupted run has not written its result yet, so `resume` has nothing to say about an existing one.
     check_outputs(force, out, picture)
     variants = chosen_variants(settings)
-    if resume and out is None:
-        raise UserError("--resume goes on with what is kept beside the result file; name it with --out")
+    check_resume(resume, out)
     scenes = open_scenes(settings.scenes)
     backbone = open_backbone(TrainSettings(backbone=settings.backbone, image_size=settings.image_size))
     # Kept runs are compared by what they depend on before the features, which take minutes, are computed.
@@ -101,21 +95,18 @@ def recogniser_command(
         "contents": {scene.name: scene.content_hash for scene in scenes},
         "configs": {name: asdict(variant.config(scenes[0], settings, 0)) for name, variant in variants.items()},
     }
-    kept = None if out is None else KeptRuns(out, facts, force=force, resume=resume)
-    done, keep = ([], _forget) if kept is None else (kept.runs, kept.add)
-    if rooms.start() is None:
-        console.print(
-            f"note: there are no weights to start from for {backbone.name} at {backbone.image_size} pixels; all "
-            "variants start from random ones",
-            highlight=False,
-        )
-    rooms = Rooms(scenes, tuple(features_of(scene, backbone) for scene in scenes), backbone)
-    with progress_bar("trainings") as report:
-        body = measure_recogniser_ablation(rooms, variants, settings, done, keep, report)
-    print(format_recogniser_ablation(body))
-    write_outputs("benchmark recogniser", body, out, picture, lambda: ablation_figure(ablation_rows(body)))
-    if kept is not None:
-        kept.delete()
+    with kept_beside(out, facts, force=force, resume=resume) as (done, keep):
+        if rooms.start() is None:
+            console.print(
+                f"note: there are no weights to start from for {backbone.name} at {backbone.image_size} pixels; all "
+                "variants start from random ones",
+                highlight=False,
+            )
+        rooms = Rooms(scenes, tuple(features_of(scene, backbone) for scene in scenes), backbone)
+        with progress_bar("trainings") as report:
+            body = measure_recogniser_ablation(rooms, variants, settings, done, keep, report)
+        print(format_recogniser_ablation(body))
+        write_outputs("benchmark recogniser", body, out, picture, lambda: ablation_figure(ablation_rows(body)))
     return body
 
 
@@ -124,7 +115,7 @@ def measure_recogniser_ablation(
     variants: Mapping[str, Variant],
     settings: RecogniserBenchmarkSettings,
     done: Sequence[Run] = (),
-    keep: Callable[[Run], None] = _forget,
+    keep: Callable[[Run], None] = lambda run: None,
     progress: Report = quiet,
 ) -> dict[str, Any]:
     """Train every variant in every scene with every seed, one after the other.

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from active_perceiver.errors import UserError
-from active_perceiver.experiments.benchmarks.kept_runs import KeptRuns
+from active_perceiver.experiments.benchmarks.kept_runs import check_resume, kept_beside
 from active_perceiver.experiments.benchmarks.outputs import check_outputs, write_outputs
 from active_perceiver.experiments.benchmarks.scale_process import CHECK_LIMIT, RATIOS
 from active_perceiver.experiments.benchmarks.scale_report import cost_curves, format_scale
@@ -53,16 +53,12 @@ def scale_command(
     """
     check_outputs(force, out, picture)
     check_settings(settings)
-    if resume and out is None:
-        raise UserError("--resume goes on with what is kept beside the result file; name it with --out")
-    kept = None if out is None else KeptRuns(out, asdict(settings), force=force, resume=resume)
-    done, keep = ([], _forget) if kept is None else (kept.runs, kept.add)
-    with progress_bar("trainings") as report:
-        body = measure_scale(settings, done, keep, report)
-    print(format_scale(body))
-    write_outputs("benchmark scale", body, out, picture, lambda: scaling_figure(*cost_curves(body)))
-    if kept is not None:
-        kept.delete()
+    check_resume(resume, out)
+    with kept_beside(out, asdict(settings), force=force, resume=resume) as (done, keep):
+        with progress_bar("trainings") as report:
+            body = measure_scale(settings, done, keep, report)
+        print(format_scale(body))
+        write_outputs("benchmark scale", body, out, picture, lambda: scaling_figure(*cost_curves(body)))
     return body
 
 
@@ -170,7 +166,3 @@ def _train(settings: ScaleSettings, cell: Cell) -> Run:
         said = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
         raise UserError(f"training by {learner} in {scenes} scenes of {states} states failed: {said[-1]}")
     return json.loads(done.stdout)
-
-
-def _forget(run: Run) -> None:
-    """Without a result file nothing is kept."""

@@ -16,7 +16,7 @@ from typing import Any
 
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.benchmarks.contestants import CONTESTANTS, FINE_RATIO, RATIO, contestant_named
-from active_perceiver.experiments.benchmarks.kept_runs import KeptRuns
+from active_perceiver.experiments.benchmarks.kept_runs import check_resume, kept_beside
 from active_perceiver.experiments.benchmarks.outputs import check_outputs, write_outputs
 from active_perceiver.experiments.benchmarks.settings import LearnerName, TrainSpeedSettings
 from active_perceiver.experiments.benchmarks.train_report import format_train_speed, learner_summary, trainings_of
@@ -60,18 +60,14 @@ def train_speed_command(
     """
     check_outputs(force, out, picture)
     check_settings(settings)
-    if resume and out is None:
-        raise UserError("--resume goes on with what is kept beside the result file; name it with --out")
-    kept = None if out is None else KeptRuns(out, asdict(settings), force=force, resume=resume)
-    done, keep = ([], _forget) if kept is None else (kept.runs, kept.add)
-    problem = search_problem(settings)
-    with progress_bar("trainings") as report:
-        body = measure_train_speed(settings, problem, done, keep, report)
-    print(format_train_speed(body))
-    figure = lambda: time_to_quality(trainings_of(body), RATIO)  # noqa: E731
-    write_outputs("benchmark train", body, out, picture, figure)
-    if kept is not None:
-        kept.delete()
+    check_resume(resume, out)
+    with kept_beside(out, asdict(settings), force=force, resume=resume) as (done, keep):
+        problem = search_problem(settings)
+        with progress_bar("trainings") as report:
+            body = measure_train_speed(settings, problem, done, keep, report)
+        print(format_train_speed(body))
+        figure = lambda: time_to_quality(trainings_of(body), RATIO)  # noqa: E731
+        write_outputs("benchmark train", body, out, picture, figure)
     return body
 
 
@@ -230,7 +226,3 @@ def _points(request: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 def _words(point: dict[str, float]) -> str:
     return f"{point['seconds']:.0f} s, success {point['success']:.3f}, {shown(point['ratio'], '.2f')} x"
-
-
-def _forget(run: Run) -> None:
-    """Without a result file nothing is kept."""
