@@ -106,6 +106,8 @@ class Search:
     """The start and the agent's draws follow from it."""
     threads: int | None = None
     """CPU threads of the agent; one per core if not given."""
+    confirm: bool = False
+    """Take two views in a row, from different poses, to say found: fewer false ones, a step or so more."""
     out: Path | None = None
     """Write search.mp4, path.png, final.png and search.json into this folder."""
     force: bool = False
@@ -116,7 +118,8 @@ class Search:
 
         found = search_command(
             self.agent, self.picture, self.robot, start=self.start, branch=self.branch, max_steps=self.max_steps,
-            max_seconds=self.max_seconds, seed=self.seed, threads=self.threads, out=self.out, force=self.force,
+            max_seconds=self.max_seconds, seed=self.seed, threads=self.threads, confirm=self.confirm,
+            out=self.out, force=self.force,
         )  # fmt: skip
         return 0 if found else 1
 

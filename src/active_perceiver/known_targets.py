@@ -44,6 +44,10 @@ class FoundCriterion:
         """Whether detections are enough, for scalars or arrays of one shape."""
         return (np.asarray(score) >= self.score) & (np.asarray(area) >= self.area)
 
+    def nearly_met(self, score: ArrayLike, area: ArrayLike) -> NDArray[np.bool_]:
+        """Whether detections would be enough if half the area were: what the view before a goal's shows as well."""
+        return self.met(score, 2 * np.asarray(area))
+
 
 @dataclass(frozen=True, eq=False)
 class KnownPictures:
@@ -183,11 +187,13 @@ class Sight:
 
     Attributes:
         detection: where it sees the target, or None if it does not.
-        found: its own word that it is in front of the target.
+        found: this image says that it is in front of the target.
+        nearly: this image says that it is nearly there, see `FoundCriterion.nearly_met`.
     """
 
     detection: Detection | None
     found: bool
+    nearly: bool
 
 
 class Seeker(Protocol):
@@ -244,9 +250,13 @@ class ObjectSeeker:
         """See `Seeker.look`."""
         scores, boxes = self.recogniser.detect(maps, self._code)
         if scores[0] < self._score_threshold:
-            return Sight(None, False)
+            return Sight(None, found=False, nearly=False)
         detection = Detection(float(scores[0]), boxes[0])
-        return Sight(detection, bool(self.criterion.met(detection.score, detection.area)))
+        return Sight(
+            detection,
+            found=bool(self.criterion.met(detection.score, detection.area)),
+            nearly=bool(self.criterion.nearly_met(detection.score, detection.area)),
+        )
 
 
 class ViewSeeker:
@@ -266,7 +276,7 @@ class ViewSeeker:
     def look(self, maps: NDArray[np.float32]) -> Sight:
         """See `Seeker.look`; nothing is ever detected."""
         similarity = float(unit_vectors(pooled(maps)[0]) @ self._target)
-        return Sight(None, similarity >= self._found_similarity)
+        return Sight(None, found=similarity >= self._found_similarity, nearly=False)
 
 
 SEEKERS: dict[SearchKind, type[Seeker]] = {"object": ObjectSeeker, "view": ViewSeeker}

@@ -13,7 +13,7 @@ from active_perceiver.agent_config import AgentConfig, AgentError
 from active_perceiver.files import OutputExistsError
 from active_perceiver.known_targets import SEEKERS, FoundCriterion, KnownTargets, ObjectSeeker, Seeker
 from active_perceiver.policies.policy import Policy
-from active_perceiver.policies.restless import ALIKE, restless, unit_vectors
+from active_perceiver.policies.restless import is_alike, restless, unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import Action, decode_image, read_image
 from active_perceiver.search.location import location_mask
@@ -44,14 +44,26 @@ class ActivePerceiver:
     Attributes:
         folder: where the agent is kept.
         config: how it is put together.
+        confirm: whether it says found only if the view before, from another pose, nearly showed the target as well.
         seeker: how it knows what it searches for.
         policy: how it gets there.
     """
 
-    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        config: AgentConfig,
+        backbone: Backbone,
+        threads: int | None = None,
+        *,
+        confirm: bool = False,
+    ) -> None:
         """Load the networks of an agent folder; `from_pretrained` is the usual way in."""
+        if confirm and config.task == "view":
+            raise AgentError(f"{folder} searches for views: no other view can confirm one; leave out confirm")
         self.folder = folder
         self.config = config
+        self.confirm = confirm
         self.backbone = backbone
         self.seeker: Seeker = SEEKERS[config.task](folder, config, backbone, threads)
         # It runs on one thread whatever is allowed: one observation is too little work to share.
@@ -59,15 +71,20 @@ class ActivePerceiver:
         self._branch = ""
 
     @classmethod
-    def from_pretrained(cls, folder: Path | str, threads: int | None = None) -> ActivePerceiver:
+    def from_pretrained(
+        cls, folder: Path | str, threads: int | None = None, *, confirm: bool = False
+    ) -> ActivePerceiver:
         """Load an agent.
 
         Args:
             folder: made by `active-perceiver train` or `save_pretrained`.
             threads: CPU threads that an action may take; None for one per core.
+            confirm: take two views in a row, from different poses, to say found. A wrong detection then seldom ends
+                a search; a right one costs about a step more.
 
         Raises:
-            AgentError: if the folder is no agent or lacks a file, or `threads` is less than 1.
+            AgentError: if the folder is no agent or lacks a file, `threads` is less than 1, or it searches for views
+                and is told to confirm.
             BackboneError: if the backbone is neither in the folder nor in the cache and cannot be made here.
         """
         if threads is not None and threads < 1:
@@ -77,7 +94,8 @@ class ActivePerceiver:
         for name in (*SEEKERS[config.task].files, "policy.onnx"):
             if not (folder / name).is_file():
                 raise AgentError(f"{folder} lacks {name}; train the agent again, or copy the whole folder")
-        return cls(folder, config, load_backbone(config.backbone, folder, config.image_size, threads), threads)
+        backbone = load_backbone(config.backbone, folder, config.image_size, threads)
+        return cls(folder, config, backbone, threads, confirm=confirm)
 
     def save_pretrained(self, folder: Path | str) -> None:
         """Copy the agent to a new folder; it appears there whole or not at all.
@@ -163,6 +181,7 @@ class ActivePerceiver:
         self._branch = branch
         self._random = np.random.default_rng(seed)
         self._looks: list[NDArray[np.float32]] = []
+        self._nearly = self._nearly_before = False
 
     def act(self, image: NDArray[np.uint8] | bytes) -> Step:
         """Look at one image and decide.
@@ -183,21 +202,19 @@ class ActivePerceiver:
         mask = location_mask(np.full(4, np.nan) if sight.detection is None else sight.detection.box)
         view = pooled(maps)
         probabilities = self.policy.probabilities(view, self._target, mask[None], self._branch)[0]
-        probabilities = restless(probabilities, self._earlier_looks(view[0]))
+        look = unit_vectors(view[0])
+        if self._looks and not is_alike(self._looks[-1], look):
+            self._nearly_before = self._nearly
+        self._nearly = sight.nearly
+        probabilities = restless(probabilities, sum(is_alike(earlier, look) for earlier in self._looks))
+        self._looks.append(look)
         draw = self._random.choice(len(probabilities), p=probabilities)
         return Step(
             action=self.actions[int(draw)],
             detection=sight.detection,
             probabilities=probabilities,
-            found=sight.found,
+            found=sight.found and (self._nearly_before or not self.confirm),
         )
-
-    def _earlier_looks(self, view: NDArray[np.float32]) -> int:
-        """How often this search has looked at the same view before; remembers this look."""
-        look = unit_vectors(view)
-        count = sum(float(earlier @ look) > ALIKE for earlier in self._looks)
-        self._looks.append(look)
-        return count
 
     def _check_reset(self) -> None:
         if not self._branch:

@@ -14,13 +14,14 @@ def tables(scene):
     return raw / raw.sum(-1, keepdims=True)
 
 
-def search(scene, tables, found, detected, searches=400, seed=0):
+def search(scene, tables, found, detected, searches=400, seed=0, nearly=None):
     goals = goal_states(scene.areas)[:, 0]
     asked = own_word.SearchTables(
         scene="toy",
         target="ball0",
         probabilities=tables,
         found=found,
+        nearly=nearly,
         right=own_word.is_on_object(detected, scene.boxes[:, 0]),
         transitions=scene.transitions,
         steps=steps_to_goal(scene.transitions, goals),
@@ -75,6 +76,38 @@ def test_mean_steps_agree_with_a_slow_loop(scene, tables):
             lengths.append(steps)
     error = np.std(lengths) / np.sqrt(len(lengths))
     assert abs(np.mean(lengths) - fast.mean_steps) < 4 * error + 4 * np.std(lengths) / np.sqrt(3000)
+
+
+def test_searches_of_two_views_agree_with_a_slow_loop(scene, tables):
+    """Found counts only if the last other view was nearly enough; bumping into something is no other view."""
+    found, detected = perfect(scene)
+    nearly = np.random.default_rng(2).random(found.shape) < 0.8
+    fast = search(scene, tables, found, detected, searches=3000, nearly=nearly)
+    rng = np.random.default_rng(5)
+    starts = np.flatnonzero(~found[:, 0])
+    lengths = []
+    for _ in range(600):
+        state, picture, steps, before = int(rng.choice(starts)), int(rng.integers(2)), 0, False
+        looks = dict.fromkeys(range(len(scene)), 0)
+        while not (found[state, picture] and before):
+            chances = tables[state, picture] ** (1 / (1 + looks[state]))
+            looks[state] += 1
+            there = int(scene.transitions[state, rng.choice(8, p=chances / chances.sum())])
+            if there != state:
+                before = nearly[state, picture]
+            state = there
+            steps += 1
+        lengths.append(steps)
+    assert fast.true_found > 0.98
+    error = np.std(lengths) / np.sqrt(len(lengths))
+    assert abs(np.mean(lengths) - fast.mean_steps) < 4 * error + 4 * np.std(lengths) / np.sqrt(3000)
+    assert fast.mean_steps > search(scene, tables, found, detected, searches=3000).mean_steps
+
+
+def test_without_a_view_that_is_nearly_enough_nothing_is_found(scene, tables):
+    found, detected = perfect(scene)
+    result = search(scene, tables, found, detected, searches=20, nearly=np.zeros_like(found))
+    assert result.not_found == 1
 
 
 def test_the_same_seed_gives_the_same_result(scene, tables):

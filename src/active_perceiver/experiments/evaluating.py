@@ -64,8 +64,13 @@ def measure_agent(
     }
     body["detection"] = {label: _detection(agent, plain[label]).as_dict() for label in groups}
     body["own_word"] = {
-        "protocol": {"searches": settings.searches, "limit": own_word.LIMIT, "true_iou": own_word.TRUE_IOU},
-        **{label: _own_word(agent, asked, settings) for label, asked in groups.items()},
+        "protocol": {
+            "searches": settings.searches,
+            "limit": own_word.LIMIT,
+            "true_iou": own_word.TRUE_IOU,
+            "confirm": settings.confirm,
+        },
+        **{label: measure_own_word(agent, asked, settings) for label, asked in groups.items()},
     }
     return body
 
@@ -122,7 +127,17 @@ def _detection(agent: ActivePerceiver, asked: Asked) -> RecognitionMetrics:
     )
 
 
-def _own_word(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) -> dict[str, Any]:
+def measure_own_word(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) -> dict[str, Any]:
+    """Searches that the agent ends itself, from random starts.
+
+    Args:
+        agent: what to measure.
+        asked: what it sees in its scenes with the pictures it is asked with, see `as_asked`, and which of these.
+        settings: how.
+
+    Returns:
+        "overall": means, see `own_word.overall`; "per_target": for each target the fields of an `OwnWord`.
+    """
     rng = np.random.default_rng(settings.seed)
     results = []
     for seen, pictures in asked:
@@ -139,11 +154,13 @@ def _own_word(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) 
             areas = boxes[..., 2] * boxes[..., 3]
             criteria = [agent.known.criterion(match) for match in matches]
             found = np.stack([c.met(scores[:, k], areas[:, k]) for k, c in enumerate(criteria)], axis=1)
+            nearly = np.stack([c.nearly_met(scores[:, k], areas[:, k]) for k, c in enumerate(criteria)], axis=1)
             tables = own_word.SearchTables(
                 scene=seen.scene.name,
                 target=name,
                 probabilities=probabilities[:, index],
                 found=found,
+                nearly=nearly if settings.confirm else None,
                 right=own_word.is_on_object(boxes, seen.scene.boxes[:, seen.targets[index]]),
                 transitions=task.transitions,
                 steps=task.steps[:, index],
@@ -205,7 +222,7 @@ def evaluate_command(folder: Path, settings: EvaluateSettings, out: Path | None,
     """
     if out is not None and out.exists() and not force:
         raise OutputExistsError(f"{out} exists; give another --out, or --force to replace it")
-    agent = ActivePerceiver.from_pretrained(folder)
+    agent = ActivePerceiver.from_pretrained(folder, confirm=settings.confirm)
     body = _MEASURES[agent.config.task](agent, settings)
     print(format_measures(body))
     if out is not None:

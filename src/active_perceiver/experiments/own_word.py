@@ -62,6 +62,8 @@ class SearchTables:
         target: what for, its name.
         probabilities: (S, K, A) of the actions.
         found: (S, K) where the agent says found.
+        nearly: (S, K) where the view before one in which it says found has to be, if it needs two to say so; None if
+            one is enough.
         right: (S, K) where that is true.
         transitions: (S, A).
         steps: (S,) fewest actions to a goal; searches start where this is positive.
@@ -72,6 +74,7 @@ class SearchTables:
     target: str
     probabilities: NDArray[np.floating]
     found: NDArray[np.bool_]
+    nearly: NDArray[np.bool_] | None
     right: NDArray[np.bool_]
     transitions: NDArray[np.integer]
     steps: NDArray[np.integer]
@@ -132,7 +135,8 @@ def search_until_found(asked: SearchTables, searches: int, rng: np.random.Genera
     shortest = steps[states]
     taken = np.zeros(searches, np.int64)
     looks = np.zeros((searches, len(transitions)), np.float32)  # how often each search looked at a view like each
-    under_way = ~found[states, pictures]
+    confirmed = np.full(searches, asked.nearly is None)
+    under_way = ~(found[states, pictures] & confirmed)
     while under_way.any() and taken.max() < LIMIT:
         here, chosen = states[under_way], pictures[under_way]
         earlier = looks[under_way, here]
@@ -141,7 +145,10 @@ def search_until_found(asked: SearchTables, searches: int, rng: np.random.Genera
         draws = rng.random(len(here))[:, None] * limits[:, -1:]
         states[under_way] = transitions[here, (draws > limits).sum(axis=1)]
         taken[under_way] += 1
-        under_way = ~found[states, pictures]
+        if asked.nearly is not None:
+            moved = ~asked.alike[here, states[under_way]]
+            confirmed[under_way] = np.where(moved, asked.nearly[here, chosen], confirmed[under_way])
+        under_way &= ~(found[states, pictures] & confirmed)
     ended = ~under_way
     true = ended & asked.right[states, pictures]
     return OwnWord(

@@ -29,6 +29,7 @@ def search_command(
     max_seconds: float = 600.0,
     seed: int | None = None,
     threads: int | None = None,
+    confirm: bool = False,
     out: Path | None = None,
     force: bool = False,
 ) -> bool:
@@ -43,7 +44,7 @@ def search_command(
     image = read_image(picture)
     if out is not None and out.exists() and not force and any(out.iterdir()):
         raise OutputExistsError(f"{out} is not empty; give another --out, or --force to replace what is in it")
-    agent = ActivePerceiver.from_pretrained(agent_folder, threads)
+    agent = ActivePerceiver.from_pretrained(agent_folder, threads, confirm=confirm)
     scene = _scene_of(robot)
     if branch is None and scene.name in agent.config.branches:
         branch = scene.name

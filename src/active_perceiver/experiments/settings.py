@@ -64,5 +64,7 @@ class EvaluateSettings:
     """Actions after which a search has failed."""
     searches: int = 100
     """Searches per target by the agent's own word, from random starts."""
+    confirm: bool = False
+    """By its own word the agent takes two views in a row, from different poses, to say found."""
     seed: int = 0
     """Draws of starts, pictures and actions follow from it."""

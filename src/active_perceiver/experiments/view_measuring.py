@@ -53,6 +53,7 @@ def measure_view_agent(
                 target=name,
                 probabilities=table[:, column],
                 found=found[:, column],
+                nearly=None,
                 right=task.goals[:, column],
                 transitions=task.transitions,
                 steps=task.steps[:, index],

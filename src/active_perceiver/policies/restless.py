@@ -15,6 +15,11 @@ ALIKE = 0.999
 bundled kitchen has another one that is so like it."""
 
 
+def is_alike(look: NDArray[np.float32], other: NDArray[np.float32]) -> bool:
+    """Whether two looks, (D,) unit vectors, are at the same view."""
+    return float(look @ other) > ALIKE
+
+
 def unit_vectors(features: NDArray[np.float32]) -> NDArray[np.float32]:
     """Scale the last axis to length 1."""
     return features / np.maximum(np.linalg.norm(features, axis=-1, keepdims=True), 1e-12)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,11 @@ from active_perceiver.experiments.benchmarks.perturbed_sightings import (
     look_around,
     with_detections_changed,
 )
+from active_perceiver.experiments.benchmarks.robustness_report import format_robustness
 from active_perceiver.experiments.benchmarks.settings import RobustnessSettings
-from active_perceiver.experiments.evaluating import measure_agent
+from active_perceiver.experiments.evaluating import as_asked, measure_agent, measure_own_word
 from active_perceiver.experiments.own_word import LIMIT, TRUE_IOU
-from active_perceiver.experiments.result import shown, write_result
+from active_perceiver.experiments.result import write_result
 from active_perceiver.experiments.settings import EvaluateSettings
 from active_perceiver.experiments.sightings import Sightings
 from active_perceiver.figures.robustness import robustness_figure
@@ -118,8 +120,9 @@ def measure_robustness(
     Returns:
         "protocol"; "conditions": for each one "condition", "meaning", of the policy's exact evaluation "success",
         "ratio", "mean_steps" and "shortest_mean", by its own word "true_found", "false_found", "not_found" and
-        "found_steps" (the mean), of the recogniser in places it was not trained in "auroc", "ap50", "recall" and
-        "false_positive_rate", and all that `measure_agent` says of each target.
+        "found_steps" (the mean), "confirmed": the same four if it takes two views to say found, of the recogniser in
+        places it was not trained in "auroc", "ap50", "recall" and "false_positive_rate", and all that
+        `measure_agent` says of each target.
 
     Raises:
         AgentError: if the agent searches for views.
@@ -227,11 +230,13 @@ def _measure(
     how = EvaluateSettings(limit=settings.limit, searches=settings.searches, seed=settings.seed)
     with console.status("measuring"):
         measured = measure_agent(judged_in_new_places(agent, asked, seen), seen, how)
+        groups = [(as_asked(agent, one), one.trained_pictures) for one in seen]
+        confirmed = measure_own_word(agent, groups, replace(how, confirm=True))
     word, detection = measured["own_word"]["pictures_seen"], measured["detection"]["pictures_seen"]
     return {
         **{key: measured["overall"][key] for key in ("success", "ratio", "mean_steps", "shortest_mean")},
-        **{key: word["overall"][key] for key in ("true_found", "false_found", "not_found")},
-        "found_steps": _mean([result["mean_steps"] for result in word["per_target"]]),
+        **_by_own_word(word),
+        "confirmed": _by_own_word(confirmed),
         **{key: detection[key] for key in ("auroc", "ap50", "recall", "false_positive_rate")},
         "per_target": measured["per_target"],
         "per_target_by_own_word": word["per_target"],
@@ -239,30 +244,14 @@ def _measure(
     }
 
 
+def _by_own_word(word: dict[str, Any]) -> dict[str, float | None]:
+    return {
+        **{key: word["overall"][key] for key in ("true_found", "false_found", "not_found")},
+        "found_steps": _mean([result["mean_steps"] for result in word["per_target"]]),
+    }
+
+
 def _mean(values: Sequence[float]) -> float | None:
     """Of those that are numbers: a target that is never found has no steps."""
     there = [value for value in values if np.isfinite(value)]
     return float(np.mean(there)) if there else None
-
-
-def format_robustness(body: dict[str, Any]) -> str:
-    """A table of what `measure_robustness` found."""
-    protocol = body["protocol"]
-    lines = [
-        f"{', '.join(protocol['scenes'])}: {', '.join(protocol['targets'])}; {protocol['searches']} searches each",
-        f"{'':14}{'by its own word, %':>24}{'':>8}{'policy, exact':>16}{'recogniser':>16}",
-        f"{'condition':14}{'true':>8}{'false':>8}{'none':>8}{'steps':>8}{'success':>9}{'ratio':>7}"
-        f"{'AUROC':>9}{'AP50':>7}",
-    ]
-    for row in body["conditions"]:
-        word = "".join(f"{100 * row[key]:8.1f}" for key in ("true_found", "false_found", "not_found"))
-        lines.append(
-            f"{row['condition']:14}{word}{shown(row['found_steps'], '.1f'):>8}{100 * row['success']:9.1f}"
-            f"{shown(row['ratio'], '.2f'):>7}{shown(row['auroc']):>9}{shown(row['ap50']):>7}"
-        )
-    lines += [
-        f"true: it said found with its box on the target; false: elsewhere; none: not within {protocol['limit']}"
-        " actions.",
-        "steps: actions until a true one. success, ratio: arriving at a goal, actions over the fewest possible.",
-    ]
-    return "\n".join(lines)
