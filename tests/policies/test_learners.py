@@ -184,11 +184,11 @@ def test_ppo_takes_every_reward(reward, problem):
 
 
 @pytest.mark.parametrize("name", CONFIGS)
-def test_stops_when_time_is_up_and_gives_threads_back(name, problem):
-    threads = torch.get_num_threads()
+def test_stops_when_time_is_up_and_gives_threads_and_precision_back(name, problem):
+    threads, precision = torch.get_num_threads(), torch.get_float32_matmul_precision()
     _, history = LEARNERS[name].train([problem], replace(CONFIGS[name], seconds=0.0, threads=threads + 1))
     assert len(history) == 1
-    assert torch.get_num_threads() == threads
+    assert (torch.get_num_threads(), torch.get_float32_matmul_precision()) == (threads, precision)
 
 
 def test_stops_when_it_gets_no_better(problem):

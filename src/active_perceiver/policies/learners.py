@@ -74,7 +74,7 @@ class Learner:
             train = getattr(import_module(module), function)
         except ModuleNotFoundError as error:
             raise SearchError(f"training needs {error.name}: pip install 'active-perceiver[train]'") from None
-        with _torch_threads(config.threads):
+        with _torch_set_up(config.threads):
             if self.keeps_checkpoints:
                 return train(problems, config, progress, inspect, checkpoint)
             return train(problems, config, progress, inspect)
@@ -124,12 +124,18 @@ def learner_named(name: str) -> Learner:
 
 
 @contextmanager
-def _torch_threads(count: int) -> Iterator[None]:
-    """Give torch so many threads, and afterwards what it had."""
+def _torch_set_up(threads: int) -> Iterator[None]:
+    """Give torch so many threads, and let it round what it multiplies to bfloat16; afterwards it is as before.
+
+    Weights and sums stay float32. On a CPU that multiplies bfloat16 a training takes two thirds of the time and needs
+    as many steps; on others nothing changes.
+    """
     torch = import_module("torch")
-    before = torch.get_num_threads()
-    torch.set_num_threads(count)
+    before = torch.get_num_threads(), torch.get_float32_matmul_precision()
+    torch.set_num_threads(threads)
+    torch.set_float32_matmul_precision("medium")
     try:
         yield
     finally:
-        torch.set_num_threads(before)
+        torch.set_num_threads(before[0])
+        torch.set_float32_matmul_precision(before[1])
