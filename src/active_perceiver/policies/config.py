@@ -97,8 +97,13 @@ class MirrorDescentConfig(FitConfig, RewardConfig):
 
     reward: str = "arrival"
     """What is paid for: a name in `REWARDS`; exact advantages need a reward that depends on the step alone."""
-    step_size: float = 40.0
-    """How far the policy moves at each iteration: it is fitted to softmax(log policy + step size x advantage)."""
+    learning_rate: float = 2e-3
+    """Of Adam, at the start; it falls linearly to a tenth."""
+    averaging: float = 0.95
+    """How much of the running mean of the weights, which is the policy, each step of Adam keeps, 0..1."""
+    step_size: float = 3.0
+    """How far the policy moves at each iteration: it is fitted to softmax(log policy + step size x advantage), in
+    each state over the largest advantage there."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -2,7 +2,8 @@
 
 While it is trained in a scene, the policy's transitions are known, so what an action is worth need not be sampled:
 one sparse linear system per target gives the advantages A of the present policy. One step of mirror descent turns
-the policy pi into softmax(log pi + eta A); the network is fitted to that by a few steps of Adam on the cross-entropy.
+the policy pi into softmax(log pi + eta A), with a step size eta of each state's own; the network is fitted to that by
+a few steps of Adam on the cross-entropy.
 """
 
 from __future__ import annotations
@@ -53,7 +54,11 @@ def _improvements(
     drawn = problem.observations.pictures, len(task.targets)
     log_policy, _ = log_table(network, *picture_tensors(problem, rng.integers(0, *drawn)), task.scene)
     advantages = exact_advantages(log_policy.exp().numpy(), task, reward_of(config), config.gamma)
-    improved = torch.softmax(log_policy + config.step_size * torch.from_numpy(advantages).float(), dim=-1)
+    # Far from a goal all actions are worth nearly the same, discounted; measured by the largest one a step is as long
+    # there as near by.
+    largest = np.abs(advantages).max(axis=-1, keepdims=True)
+    relative = torch.from_numpy(advantages / np.where(largest > 0, largest, 1.0)).float()
+    improved = torch.softmax(log_policy + config.step_size * relative, dim=-1)
     # Where a search is over, or hopeless, it does not matter what the policy does.
     counts = torch.from_numpy((task.steps > 0).astype(np.float32))
     for states in state_batches(len(task), config, rng):

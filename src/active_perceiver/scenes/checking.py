@@ -9,7 +9,7 @@ import numpy as np
 
 from active_perceiver.scenes.images import ImageError
 from active_perceiver.scenes.lattice import UNREACHABLE, goal_states, islands, steps_to_goal
-from active_perceiver.scenes.scene import Scene
+from active_perceiver.scenes.scene import PROPOSED, UNLABELLED, Scene
 
 # Below this fraction of the image (10 x 10 of 300 x 300 pixels) even the largest box is hardly recognisable.
 TINY_AREA = 0.0011
@@ -30,7 +30,7 @@ class Problem:
 
 def scene_problems(scene: Scene) -> list[Problem]:
     """Everything a person should know before training in this scene; fatal findings first."""
-    found = [*_moves(scene), *_targets(scene), *_views(scene)]
+    found = [*_moves(scene), *_targets(scene), *_labels(scene), *_views(scene)]
     return sorted(found, key=lambda problem: not problem.fatal)
 
 
@@ -76,6 +76,20 @@ def _targets(scene: Scene) -> list[Problem]:
             found.append(
                 Problem(f"from {unreachable} states no goal state of '{name}' can be reached; no search starts there")
             )
+    return found
+
+
+def _labels(scene: Scene) -> list[Problem]:
+    if scene.labels is None:
+        return []
+    unlabelled, proposed = (int((scene.labels == state).sum()) for state in (UNLABELLED, PROPOSED))
+    found = []
+    if unlabelled:
+        found.append(
+            Problem(f"{unlabelled} views are not labelled: they count as showing no target; see `scenes label`")
+        )
+    if proposed:
+        found.append(Problem(f"the boxes of {proposed} views were proposed by a recogniser and not looked at since"))
     return found
 
 

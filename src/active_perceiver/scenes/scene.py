@@ -14,6 +14,10 @@ from active_perceiver.errors import UserError
 from active_perceiver.scenes.images import decode_image
 from active_perceiver.scenes.lattice import Action
 
+UNLABELLED, PROPOSED, LABELLED = 0, 1, 2
+"""What is known of a view's boxes: nothing, so that none are there; a recogniser drew them; a person, or whoever made
+the scene, says so."""
+
 # A box may stick out of the image by rounding, not more.
 BOX_TOLERANCE = 1e-4
 
@@ -90,6 +94,8 @@ class Scene:
         fov: the camera's field of view in degrees.
         source: where the scene comes from, one line.
         floor_plan: the room from above, if known.
+        labels: (S,) uint8, what is known of each view's boxes: `UNLABELLED`, `PROPOSED` or `LABELLED`; None if all
+            are labelled.
     """
 
     name: str
@@ -103,6 +109,7 @@ class Scene:
     fov: float = 75.0
     source: str = ""
     floor_plan: FloorPlan | None = field(default=None, repr=False)
+    labels: NDArray[np.uint8] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         states, names = len(self.views), self.target_names
@@ -125,7 +132,22 @@ class Scene:
             raise SceneError(f"scene '{self.name}': {bad} poses are not finite numbers")
         if self.transitions.min() < 0 or self.transitions.max() >= states:
             raise SceneError(f"scene '{self.name}': transitions lead outside the {states} states")
+        self._check_labels()
         self._check_boxes()
+
+    def _check_labels(self) -> None:
+        if self.labels is None:
+            return
+        if (
+            self.labels.shape != (len(self.views),)
+            or not np.isin(self.labels, (UNLABELLED, PROPOSED, LABELLED)).all()
+        ):
+            raise SceneError(
+                f"scene '{self.name}': labels must be {len(self.views)} numbers, each {UNLABELLED} (unlabelled), "
+                f"{PROPOSED} (proposed) or {LABELLED} (labelled)"
+            )
+        if not np.isnan(self.boxes[self.labels == UNLABELLED]).all():
+            raise SceneError(f"scene '{self.name}' has boxes in views that are said to be unlabelled")
 
     def _check_boxes(self) -> None:
         missing = np.isnan(self.boxes)

@@ -3,7 +3,8 @@
 Layout: attributes `format`, `version`, `name`, `actions` (JSON list), `image_size`, `fov`, `source`; datasets
 `views` (S,) variable-length uint8, `poses` (S, 4) float32, `transitions` (S, A) int32, `boxes` (S, T, 4) float32;
 groups `targets/<name>` with `pictures` (K,) variable-length uint8 and attributes `category`, `index` and `held_out`:
-the last so many pictures are never trained with (0 if the attribute is not there, as in older files); optional group
+the last so many pictures are never trained with (0 if the attribute is not there, as in older files); optional
+dataset `labels` (S,) uint8, see `Scene.labels` (all views are labelled if it is not there); optional group
 `floor_plan` with `outline` and `obstacles/<number>`. Nothing in a file is executed when it is read.
 """
 
@@ -48,6 +49,8 @@ def save_scene(scene: Scene, path: Path | str, *, force: bool = False) -> None:
         _write_blobs(file, "views", scene.views)
         for label in ("poses", "transitions", "boxes"):
             file.create_dataset(label, data=getattr(scene, label), compression="gzip")
+        if scene.labels is not None:
+            file.create_dataset("labels", data=scene.labels)
         for index, target in enumerate(scene.targets):
             group = file.create_group(f"targets/{target.name}")
             group.attrs.update(category=target.category, index=index, held_out=target.held_out)
@@ -103,7 +106,17 @@ def _read(file: h5py.File, path: Path) -> Scene:
         fov=float(file.attrs["fov"]),
         source=str(file.attrs["source"]),
         floor_plan=_read_floor_plan(file),
+        labels=_read_labels(file),
     )
+
+
+def _read_labels(file: h5py.File) -> np.ndarray | None:
+    if "labels" not in file:
+        return None
+    labels = file["labels"][()]
+    if not np.issubdtype(labels.dtype, np.integer):
+        raise SceneError(f"labels are {labels.dtype}, expected whole numbers")
+    return labels.astype(np.uint8)
 
 
 def _read_target(name: str, group: h5py.Group) -> Target:
