@@ -57,13 +57,13 @@ class Sb3Config(RewardConfig):
 class Sb3PpoConfig(Sb3Config):
     """Settings of stable-baselines3's PPO.
 
-    Chosen by hand in kitchen_1, one change after the other, by the time to `RATIO`. A learning rate of 1e-3 beat 5e-4;
-    2 epochs take more steps than 4 but less time; batches of 256 were slower than 512; orthogonal weights,
-    stable-baselines3's own, beat torch's; an entropy weight of 0.01 was no better than 0.02. With 8 epochs, rollouts
-    of 16 steps, or the reward "arrival" it was behind after as much computing. From there, with two seeds each: a
-    trace decay of 0.9, a clip of 0.3, 128 searches of 16 steps, 32 of 64, and 200 iterations, so that the learning
-    rate falls sooner, differ less from it than the seeds do; a learning rate of 2e-3, 3 epochs, a discount of 0.9 and
-    a value weight of 0.25 are slower.
+    Chosen by hand in kitchen_1, one change after the other, by the time to `RATIO`. A learning rate of 1e-3 beat
+    5e-4; 2 epochs take more steps than 4 but less time; batches of 256 were slower than 512; orthogonal weights,
+    stable-baselines3's own, beat torch's; an entropy weight of 0.01 was no better than 0.02. With 8 epochs,
+    rollouts of 16 steps, or the reward "arrival" it was behind after as much computing. From there, with two seeds
+    each: a trace decay of 0.9, a clip of 0.3, 128 searches of 16 steps, 32 of 64, and 200 iterations, so that the
+    learning rate falls sooner, differ less from it than the seeds do; a learning rate of 2e-3, 3 epochs, a discount
+    of 0.9 and a value weight of 0.25 are slower.
     """
 
     learning_rate: float = 1e-3
