@@ -17,7 +17,7 @@ pytestmark = pytest.mark.xdist_group("agent")
 
 COMMANDS = [
     [], ["demo"], ["train"], ["evaluate"], ["search"], ["info"], ["scenes"], ["scenes", "list"], ["scenes", "info"],
-    ["scenes", "check"], ["scenes", "render"],
+    ["scenes", "check"], ["scenes", "render"], ["scenes", "label"],
 ]  # fmt: skip
 
 
@@ -38,7 +38,8 @@ def test_every_setting_is_an_option_with_a_help_text(command, settings, capsys):
         main([command, "--help"])
     table = capsys.readouterr().out.split("settings options")[1].replace("│", " ")
     for field in dataclasses.fields(settings):
-        entry = table.split(f"--{field.name.replace('_', '-')} ")[1].split("(default")[0]
+        # What is on by default is switched off by --no-...
+        entry = re.split(rf"--(?:no-)?{field.name.replace('_', '-')} ", table)[1].split("(default")[0]
         assert len(re.findall(r"[a-z]{2,}", entry)) > 4, f"{field.name} has no help text"
 
 
@@ -64,7 +65,7 @@ def test_scenes_info_prints_and_draws(scene_file, tmp_path, capsys):
     picture = tmp_path / "sheet.png"
     assert main(["scenes", "info", str(scene_file), "--picture", str(picture)]) == 0
     text = capsys.readouterr().out
-    assert "16 places x 4 headings x 3 tilts" in text
+    assert "16 places, 12 views at each, 3 tilt(s)" in text
     assert "ball2" in text
     assert Image.open(picture).width > 1000
     assert main(["scenes", "info", str(scene_file), "--picture", str(picture)]) == 2

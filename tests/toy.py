@@ -22,13 +22,14 @@ def toy_scene(
     image_size: int = 48,
     tilts: tuple[float, ...] = (-30.0, 0.0, 30.0),
     actions: tuple[Action, ...] = EIGHT_ACTIONS,
+    headings: tuple[float, ...] = (0, 90, 180, 270),
 ) -> Scene:
     """A room of side x side places with `targets` balls along its walls; the same seed gives the same scene."""
     rng = np.random.default_rng(seed)
     extent = (side + 1) * STEP
     grid = (np.arange(side) + 1) * STEP
     positions = np.stack(np.meshgrid(grid, grid, indexing="ij"), -1).reshape(-1, 2)
-    poses = lattice_poses(positions, (0, 90, 180, 270), tilts)
+    poses = lattice_poses(positions, headings, tilts)
     balls = _balls(rng, targets, extent)
     phase = rng.uniform(0, 6, (6, 3))
     drawn = [_draw(pose, balls, extent, phase, image_size) for pose in poses]

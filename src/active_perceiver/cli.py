@@ -93,7 +93,8 @@ class Search:
     picture: Path
     """Picture of the object on its own, or of the view if the agent searches for views; any image file."""
     robot: str
-    """Where to search: scene:NAME for a bundled scene, scene:FILE for a scene file."""
+    """Where to search: scene:NAME for a bundled scene, scene:FILE for a scene file; thor:FloorPlan1 for a room of
+    AI2-THOR, thor:FILE for one captured with other than the usual settings."""
     start: int | None = None
     """State to start in; a random one if not given."""
     branch: str | None = None
@@ -108,6 +109,9 @@ class Search:
     """CPU threads of the agent; one per core if not given."""
     confirm: bool = False
     """Take two views in a row, from different poses, to say found: fewer false ones, a step or so more."""
+    explore: bool = True
+    """Whether to look round the room when the policy leads in circles, because the target is not where it was; with
+    --no-explore the policy is followed all the same."""
     out: Path | None = None
     """Write search.mp4, path.png, final.png and search.json into this folder."""
     force: bool = False
@@ -119,7 +123,7 @@ class Search:
         found = search_command(
             self.agent, self.picture, self.robot, start=self.start, branch=self.branch, max_steps=self.max_steps,
             max_seconds=self.max_seconds, seed=self.seed, threads=self.threads, confirm=self.confirm,
-            out=self.out, force=self.force,
+            explore=self.explore, out=self.out, force=self.force,
         )  # fmt: skip
         return 0 if found else 1
 
@@ -192,7 +196,9 @@ Command = (
     | Annotated[
         Scenes,
         subcommand(
-            "scenes", description="Scenes: list, info, check, preview, render, elsewhere (each has its own --help)."
+            "scenes",
+            description="Scenes: list, info, check, import, export, label, capture, render, preview, elsewhere (each "
+            "has its own --help).",
         ),
     ]
     | Annotated[

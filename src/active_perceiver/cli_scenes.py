@@ -11,13 +11,11 @@ from typing import Annotated, Any
 
 from tyro.conf import Positional, subcommand
 
+from active_perceiver.cli_capture import ScenesCapture
+from active_perceiver.cli_help import help_text
+from active_perceiver.cli_import import ScenesExport, ScenesImport, print_problems
+from active_perceiver.cli_label import ScenesLabel
 from active_perceiver.errors import UserError
-
-
-def help_text(summary: str, *examples: str) -> str:
-    """What `--help` says about a command."""
-    lines = "\n".join(f"  active-perceiver {example}" for example in examples)
-    return f"{summary}\n\nExamples:\n{lines}"
 
 
 @dataclass
@@ -65,14 +63,8 @@ class ScenesCheck:
 
     def run(self) -> int:
         from active_perceiver.scenes import open_scene
-        from active_perceiver.scenes.checking import scene_problems
 
-        problems = scene_problems(open_scene(self.scene))
-        for problem in problems:
-            print(f"{'ERROR' if problem.fatal else 'note '} {problem.text}")
-        if not problems:
-            print("no problems found")
-        return 1 if any(problem.fatal for problem in problems) else 0
+        return print_problems(open_scene(self.scene))
 
 
 @dataclass
@@ -275,6 +267,44 @@ ScenesCommand = (
                 "scenes render living_room --seed 10 --count 5 --out rooms --resume",
                 "scenes render kitchen --seed 1 --hour dusk",
                 "scenes render kitchen --seed 1 --moved 2",
+            ),
+        ),
+    ]
+    | Annotated[
+        ScenesImport,
+        subcommand(
+            "import",
+            description="Make a scene of photographs, or of other projects' files (each has its own --help).",
+        ),
+    ]
+    | Annotated[
+        ScenesExport,
+        subcommand("export", description="Write a scene for a labelling tool or other projects (own --help each)."),
+    ]
+    | Annotated[
+        ScenesLabel,
+        subcommand(
+            "label",
+            description=help_text(
+                "Say where the targets are in the views of a scene: draw boxes on a page in the browser, take them "
+                "from a COCO file, or have an agent propose them.",
+                "scenes label my_room.h5",
+                "scenes label my_room.h5 --propose kitchen_agent",
+                "scenes label my_room.h5 --from result_coco.json",
+                "scenes label kitchen_1 --out my_kitchen.h5",
+            ),
+        ),
+    ]
+    | Annotated[
+        ScenesCapture,
+        subcommand(
+            "capture",
+            description=help_text(
+                "Make a scene of a room of AI2-THOR (needs the `thor` extra and its simulator, see docs/ai2thor.md): "
+                "the agent looks from every pose it can reach; what is finished survives an interruption.",
+                "scenes capture thor FloorPlan1 --targets Mug Bread",
+                "scenes capture thor FloorPlan1 --tilts -30 0 30 --out kitchen.h5 --resume",
+                "scenes capture thor --scenes kitchens --targets Mug Bread --out thor_kitchens --resume",
             ),
         ),
     ]

@@ -196,6 +196,22 @@ class Sight:
     nearly: bool
 
 
+def sight_of(score: float, box: NDArray[np.floating], threshold: float, criterion: FoundCriterion) -> Sight:
+    """What an agent that searches for an object makes of what its recogniser says of an image.
+
+    Args:
+        score: presence probability.
+        box: (4,) where the object would be.
+        threshold: presence probability from which on it counts as seen.
+        criterion: when it says found.
+    """
+    if score < threshold:
+        return Sight(None, found=False, nearly=False)
+    seen = Detection(score, box)
+    met, nearly = (bool(check(seen.score, seen.area)) for check in (criterion.met, criterion.nearly_met))
+    return Sight(seen, found=met, nearly=nearly)
+
+
 class Seeker(Protocol):
     """What is different between agents that search for different things.
 
@@ -249,14 +265,7 @@ class ObjectSeeker:
     def look(self, maps: NDArray[np.float32]) -> Sight:
         """See `Seeker.look`."""
         scores, boxes = self.recogniser.detect(maps, self._code)
-        if scores[0] < self._score_threshold:
-            return Sight(None, found=False, nearly=False)
-        detection = Detection(float(scores[0]), boxes[0])
-        return Sight(
-            detection,
-            found=bool(self.criterion.met(detection.score, detection.area)),
-            nearly=bool(self.criterion.nearly_met(detection.score, detection.area)),
-        )
+        return sight_of(float(scores[0]), boxes[0], self._score_threshold, self.criterion)
 
 
 class ViewSeeker:

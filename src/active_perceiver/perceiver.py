@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.agent_config import AgentConfig, AgentError
+from active_perceiver.course import Course
+from active_perceiver.exploring import Explorer, RoomMap, map_file
 from active_perceiver.files import OutputExistsError
 from active_perceiver.known_targets import SEEKERS, FoundCriterion, KnownTargets, ObjectSeeker, Seeker
 from active_perceiver.policies.policy import Policy
-from active_perceiver.policies.restless import is_alike, restless, unit_vectors
+from active_perceiver.policies.restless import is_alike, unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import Action, decode_image, read_image
 from active_perceiver.search.location import location_mask
@@ -28,7 +30,8 @@ class Step:
         action: what to do next; meaningless once found.
         detection: where it sees the target, or None if it does not.
         probabilities: (A,) float64, from which the action was drawn, in the order of `ActivePerceiver.actions`: the
-            policy's, flattened where the search has been before (see `restless`).
+            policy's, flattened where the search has been before (see `restless`), or 1 for one action if the search
+            is lost and the room explored (see `Explorer`).
         found: its own word that it is in front of the target.
     """
 
@@ -45,6 +48,7 @@ class ActivePerceiver:
         folder: where the agent is kept.
         config: how it is put together.
         confirm: whether it says found only if the view before, from another pose, nearly showed the target as well.
+        explore: whether it looks round the room when the policy leads in circles.
         seeker: how it knows what it searches for.
         policy: how it gets there.
     """
@@ -57,6 +61,7 @@ class ActivePerceiver:
         threads: int | None = None,
         *,
         confirm: bool = False,
+        explore: bool = True,
     ) -> None:
         """Load the networks of an agent folder; `from_pretrained` is the usual way in."""
         if confirm and config.task == "view":
@@ -64,15 +69,17 @@ class ActivePerceiver:
         self.folder = folder
         self.config = config
         self.confirm = confirm
+        self.explore = explore
         self.backbone = backbone
         self.seeker: Seeker = SEEKERS[config.task](folder, config, backbone, threads)
         # It runs on one thread whatever is allowed: one observation is too little work to share.
         self.policy = Policy(folder / "policy.onnx")
         self._branch = ""
+        self._rooms: dict[str, RoomMap] = {}
 
     @classmethod
     def from_pretrained(
-        cls, folder: Path | str, threads: int | None = None, *, confirm: bool = False
+        cls, folder: Path | str, threads: int | None = None, *, confirm: bool = False, explore: bool = True
     ) -> ActivePerceiver:
         """Load an agent.
 
@@ -81,6 +88,8 @@ class ActivePerceiver:
             threads: CPU threads that an action may take; None for one per core.
             confirm: take two views in a row, from different poses, to say found. A wrong detection then seldom ends
                 a search; a right one costs about a step more.
+            explore: look round the room, which the agent remembers, when the policy leads in circles, because the
+                target is not where it was.
 
         Raises:
             AgentError: if the folder is no agent or lacks a file, `threads` is less than 1, or it searches for views
@@ -95,7 +104,7 @@ class ActivePerceiver:
             if not (folder / name).is_file():
                 raise AgentError(f"{folder} lacks {name}; train the agent again, or copy the whole folder")
         backbone = load_backbone(config.backbone, folder, config.image_size, threads)
-        return cls(folder, config, backbone, threads, confirm=confirm)
+        return cls(folder, config, backbone, threads, confirm=confirm, explore=explore)
 
     def save_pretrained(self, folder: Path | str) -> None:
         """Copy the agent to a new folder; it appears there whole or not at all.
@@ -181,7 +190,24 @@ class ActivePerceiver:
         self._branch = branch
         self._random = np.random.default_rng(seed)
         self._looks: list[NDArray[np.float32]] = []
-        self._nearly = self._nearly_before = False
+        self._room = self.room(branch)
+        explorer = None
+        if self._room is not None:
+            explorer = Explorer(self._room, self.criterion.area, self.config.score_threshold)
+        self._course = Course(self.confirm, explorer)
+
+    def room(self, branch: str) -> RoomMap | None:
+        """What it remembers of a scene; None if it remembers nothing, or is not to explore.
+
+        Raises:
+            AgentError: if what it remembers is damaged.
+        """
+        path = map_file(self.folder, branch)
+        if not self.explore or not path.is_file():
+            return None
+        if branch not in self._rooms:
+            self._rooms[branch] = RoomMap.load(path)
+        return self._rooms[branch]
 
     def act(self, image: NDArray[np.uint8] | bytes) -> Step:
         """Look at one image and decide.
@@ -203,18 +229,18 @@ class ActivePerceiver:
         view = pooled(maps)
         probabilities = self.policy.probabilities(view, self._target, mask[None], self._branch)[0]
         look = unit_vectors(view[0])
-        if self._looks and not is_alike(self._looks[-1], look):
-            self._nearly_before = self._nearly
-        self._nearly = sight.nearly
-        probabilities = restless(probabilities, sum(is_alike(earlier, look) for earlier in self._looks))
+        alike = [is_alike(earlier, look) for earlier in self._looks]
         self._looks.append(look)
-        draw = self._random.choice(len(probabilities), p=probabilities)
-        return Step(
-            action=self.actions[int(draw)],
-            detection=sight.detection,
-            probabilities=probabilities,
-            found=sight.found and (self._nearly_before or not self.confirm),
+        probabilities, found = self._course.decide(
+            sight,
+            probabilities,
+            earlier=sum(alike),
+            moved=bool(alike) and not alike[-1],
+            likeness=None if self._room is None else self._room.looks @ look,
         )
+        draw = int(self._random.choice(len(probabilities), p=probabilities))
+        self._course.did(draw)
+        return Step(action=self.actions[draw], detection=sight.detection, probabilities=probabilities, found=found)
 
     def _check_reset(self) -> None:
         if not self._branch:

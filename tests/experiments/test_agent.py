@@ -68,7 +68,8 @@ def test_an_unknown_picture_needs_more_to_be_found(agent):
     assert agent.criterion.met(1.0, 1.0)
 
 
-def test_looking_at_the_same_view_again_makes_it_less_insistent(agent, scene):
+def test_looking_at_the_same_view_again_makes_it_less_insistent(agent_folder, scene):
+    agent = ActivePerceiver.from_pretrained(agent_folder, explore=False)
     agent.reset(scene.targets[0].picture(0), seed=0)
     first, second, third = (agent.act(scene.view(5)).probabilities.max() for _ in range(3))
     assert first > second > third

@@ -10,7 +10,8 @@ import pytest
 
 from active_perceiver.agent_config import AgentError
 from active_perceiver.cli import main
-from active_perceiver.experiments.evaluating import agent_sightings, as_asked, measure_own_word
+from active_perceiver.experiments.evaluating import agent_sightings, as_asked
+from active_perceiver.experiments.own_word_tables import measure_own_word
 from active_perceiver.experiments.settings import EvaluateSettings
 from active_perceiver.perceiver import ActivePerceiver
 
@@ -19,8 +20,8 @@ pytestmark = pytest.mark.xdist_group("agent")
 
 @pytest.mark.parametrize("target", range(3))
 def test_found_needs_the_last_other_view_to_be_nearly_enough(agent_folder, scene, target):
-    plain = ActivePerceiver.from_pretrained(agent_folder)
-    careful = ActivePerceiver.from_pretrained(agent_folder, confirm=True)
+    plain = ActivePerceiver.from_pretrained(agent_folder, explore=False)
+    careful = ActivePerceiver.from_pretrained(agent_folder, confirm=True, explore=False)
     picture = scene.targets[target].picture(0)
     for agent in (plain, careful):
         agent.reset(picture, seed=0)
@@ -43,7 +44,7 @@ def test_found_needs_the_last_other_view_to_be_nearly_enough(agent_folder, scene
 
 
 def test_a_new_search_starts_unconfirmed(agent_folder, scene):
-    agent = ActivePerceiver.from_pretrained(agent_folder, confirm=True)
+    agent = ActivePerceiver.from_pretrained(agent_folder, confirm=True, explore=False)
     best = np.argsort(-scene.areas[:, 0])[:12]
     agent.reset(scene.targets[0].picture(0), seed=0)
     said = [agent.act(scene.view(state)).found for state in best]
@@ -54,9 +55,11 @@ def test_a_new_search_starts_unconfirmed(agent_folder, scene):
 
 
 def test_two_views_take_longer(agent_folder):
-    agent = ActivePerceiver.from_pretrained(agent_folder)
+    agent = ActivePerceiver.from_pretrained(agent_folder, explore=False)
     asked = [(as_asked(agent, seen), seen.trained_pictures) for seen in agent_sightings(agent)]
-    one, two = (measure_own_word(agent, asked, EvaluateSettings(confirm=confirm)) for confirm in (False, True))
+    one, two = (
+        measure_own_word(agent, asked, EvaluateSettings(confirm=confirm, explore=False)) for confirm in (False, True)
+    )
     by_one, by_two = ({row["target"]: row for row in measured["per_target"]} for measured in (one, two))
     assert by_one.keys() == by_two.keys()
     for name, row in by_two.items():
@@ -78,7 +81,7 @@ def test_an_agent_that_searches_for_views_does_not_confirm(agent_folder, tmp_pat
 def test_search_takes_it_from_the_command_line(agent_folder, scene, scene_file, tmp_path, capsys):
     picture = tmp_path / "picture.jpg"
     picture.write_bytes(scene.targets[0].pictures[0])
-    agent = ActivePerceiver.from_pretrained(agent_folder)
+    agent = ActivePerceiver.from_pretrained(agent_folder, explore=False)
     agent.reset(picture)
     goal = next(state for state in np.argsort(-scene.areas[:, 0]) if agent.act(scene.view(state)).found)
     arguments = ["search", str(agent_folder), "--picture", str(picture), "--robot", f"scene:{scene_file}"]

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from active_perceiver.course import Course
 from active_perceiver.experiments import own_word
+from active_perceiver.known_targets import Sight
 from active_perceiver.scenes.lattice import goal_states, steps_to_goal
 
 
@@ -20,12 +22,12 @@ def search(scene, tables, found, detected, searches=400, seed=0, nearly=None):
         scene="toy",
         target="ball0",
         probabilities=tables,
-        found=found,
-        nearly=nearly,
+        sights=lambda state, picture: Sight(None, found[state, picture], nearly is None or nearly[state, picture]),
         right=own_word.is_on_object(detected, scene.boxes[:, 0]),
         transitions=scene.transitions,
         steps=steps_to_goal(scene.transitions, goals),
         alike=np.eye(len(scene), dtype=bool),
+        course=lambda picture: Course(confirm=nearly is not None),
     )
     return own_word.search_until_found(asked, searches, np.random.default_rng(seed))
 

@@ -17,8 +17,8 @@ pytestmark = pytest.mark.xdist_group("agent")
 def test_the_folder_is_complete_and_the_result_says_how_good_it_is(agent_folder, scene):
     names = {path.name for path in agent_folder.iterdir()}
     assert names == {
-        "README.md", "config.json", "known_pictures.npz", "policy.onnx", "policy.safetensors", "recogniser.json",
-        "recogniser.onnx",
+        "README.md", "config.json", "known_pictures.npz", "maps", "policy.onnx", "policy.safetensors",
+        "recogniser.json", "recogniser.onnx",
         "recogniser.safetensors", "result.json", "targets",
     }  # fmt: skip
     result = json.loads((agent_folder / "result.json").read_text())

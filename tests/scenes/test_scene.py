@@ -32,7 +32,7 @@ def seen_state(scene: Scene) -> int:
         (lambda s: {"boxes": s.boxes[:, :2]}, "boxes has shape"),
         (lambda s: {"poses": s.poses[:-1]}, "poses has shape"),
         (lambda s: {"transitions": s.transitions[:, :6]}, "transitions has shape"),
-        (lambda s: {"targets": ()}, "no targets"),
+        (lambda s: {"targets": ()}, "boxes has shape"),
         (lambda s: {"views": ()}, "no views"),
         (lambda s: {"targets": (s.targets[0],) * 3}, "names a target twice"),
     ],

@@ -92,7 +92,7 @@ BREAKAGES = {
     "transition out of range": (overwrite("transitions", (0, 0), 9999), "lead outside"),
     "transitions not whole numbers": (edit(as_floats), "whole numbers"),
     "box in pixels": (overwrite("boxes", (0, 0), [100, 100, 20, 20]), "must lie in 0..1"),
-    "no targets": (drop("targets"), "no targets"),
+    "no targets": (drop("targets"), "boxes has shape"),
     "no views": (drop("views"), "damaged"),
     "all pictures held out": (edit(lambda file: hold_out(file, 4)), "at least one"),
     "held out is half a picture": (edit(lambda file: hold_out(file, 0.5)), "expected a whole number"),

@@ -13,6 +13,7 @@ from active_perceiver.experiments.likeness import known_similarity, strangers_co
 from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.experiments.sightings import Sightings
 from active_perceiver.experiments.view_searches import ViewSearches
+from active_perceiver.exploring import RoomMap, map_file
 from active_perceiver.files import replacing
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.recognition.recogniser import Recogniser
@@ -90,6 +91,12 @@ def save_pictures(sightings: Sequence[Sightings], work: Path) -> None:
             target = seen.scene.targets[index]
             _write_pictures(picture_folder(work, seen.scene.name, target.name), target.pictures[: seen.trained])
     ActivePerceiver.from_pretrained(work).known.save_pictures()
+
+
+def save_maps(sightings: Sequence[Sightings], work: Path) -> None:
+    """Keep what the agent remembers of its scenes, to look round in them; see `save_pictures`."""
+    for seen in sightings:
+        RoomMap.of(seen.scene, seen.view_features).save(map_file(work, seen.scene.name))
 
 
 def view_agent_config(settings: TrainSettings, backbone: Backbone, searches: Sequence[ViewSearches]) -> AgentConfig:

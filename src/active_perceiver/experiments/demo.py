@@ -104,7 +104,7 @@ def _search_for(agent: ActivePerceiver, scene: Scene, name: str, out: Path, seed
     start = int(np.random.default_rng([seed, scene.target_index(name)]).choice(far))
     with RecordedRobot(scene, start) as robot:
         record = search(agent, robot, picture, branch=scene.name, max_steps=200, seed=seed)
-    write_search(record, scene, name, out / name)
+    write_search(record, scene, name, out / name, scene.name)
     strip = filmstrip(record, scene, name)
     with replacing(out / name / "filmstrip.png") as temporary:
         Image.fromarray(strip).save(temporary)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from active_perceiver.agent_config import SearchKind, picture_folder
 from active_perceiver.errors import UserError
 from active_perceiver.experiments import own_word
 from active_perceiver.experiments.agent_scenes import agent_scenes
+from active_perceiver.experiments.own_word_tables import Asked, measure_own_word
 from active_perceiver.experiments.policy_figures import evaluate_tables
 from active_perceiver.experiments.result import shown, write_result
 from active_perceiver.experiments.settings import EvaluateSettings
@@ -26,10 +27,8 @@ from active_perceiver.policies.policy import policy_table
 from active_perceiver.progress import console
 from active_perceiver.recognition.metrics import RecognitionMetrics
 from active_perceiver.scenes import Scene
+from active_perceiver.scenes.labelling import labelled_views
 from active_perceiver.search.task import SearchTask
-
-# In which scenes, and with which of the pictures there, an agent is asked to search.
-Asked = Sequence[tuple[Sightings, list[int]]]
 
 
 def measure_agent(
@@ -69,6 +68,7 @@ def measure_agent(
             "limit": own_word.LIMIT,
             "true_iou": own_word.TRUE_IOU,
             "confirm": settings.confirm,
+            "explore": settings.explore,
         },
         **{label: measure_own_word(agent, asked, settings) for label, asked in groups.items()},
     }
@@ -108,10 +108,14 @@ def _evaluate(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) 
 
 
 def _detection(agent: ActivePerceiver, asked: Asked) -> RecognitionMetrics:
-    """How well the agent's targets are recognised in the views of places that the recogniser was not trained in."""
+    """How well the agent's targets are recognised in views of places that the recogniser was not trained in.
+
+    Views that nobody has labelled are left out.
+    """
     scores, boxes, truth, names = [], [], [], []
     for seen, pictures in asked:
         views = np.array(agent.config.training["held_out_views"][seen.scene.name], np.int64)
+        views = views[labelled_views(seen.scene)[views]]
         for index, name in enumerate(seen.names):
             for picture in pictures:
                 scores.append(seen.scores[views, index, picture])
@@ -125,49 +129,6 @@ def _detection(agent: ActivePerceiver, asked: Asked) -> RecognitionMetrics:
         agent.config.score_threshold,
         np.concatenate(names),
     )
-
-
-def measure_own_word(agent: ActivePerceiver, asked: Asked, settings: EvaluateSettings) -> dict[str, Any]:
-    """Searches that the agent ends itself, from random starts.
-
-    Args:
-        agent: what to measure.
-        asked: what it sees in its scenes with the pictures it is asked with, see `as_asked`, and which of these.
-        settings: how.
-
-    Returns:
-        "overall": means, see `own_word.overall`; "per_target": for each target the fields of an `OwnWord`.
-    """
-    rng = np.random.default_rng(settings.seed)
-    results = []
-    for seen, pictures in asked:
-        task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
-        observations = seen.observations(agent.config.score_threshold, pictures)
-        probabilities = np.stack(
-            [policy_table(agent.policy, observations, seen.scene.name, k) for k in range(len(pictures))], axis=2
-        )
-        alike = own_word.alike_views(seen.view_features)
-        for index, name in enumerate(seen.names):
-            # As `ActivePerceiver.reset` does: the picture alone tells what is enough.
-            matches = [agent.known.match(code, seen.scene.name) for code in seen.target_codes[index][pictures]]
-            scores, boxes = (array[:, index][:, pictures] for array in (seen.scores, seen.boxes))
-            areas = boxes[..., 2] * boxes[..., 3]
-            criteria = [agent.known.criterion(match) for match in matches]
-            found = np.stack([c.met(scores[:, k], areas[:, k]) for k, c in enumerate(criteria)], axis=1)
-            nearly = np.stack([c.nearly_met(scores[:, k], areas[:, k]) for k, c in enumerate(criteria)], axis=1)
-            tables = own_word.SearchTables(
-                scene=seen.scene.name,
-                target=name,
-                probabilities=probabilities[:, index],
-                found=found,
-                nearly=nearly if settings.confirm else None,
-                right=own_word.is_on_object(boxes, seen.scene.boxes[:, seen.targets[index]]),
-                transitions=task.transitions,
-                steps=task.steps[:, index],
-                alike=alike,
-            )
-            results.append(own_word.search_until_found(tables, settings.searches, rng))
-    return {"overall": own_word.overall(results), "per_target": [asdict(result) for result in results]}
 
 
 def agent_sightings(agent: ActivePerceiver) -> list[Sightings]:
@@ -222,7 +183,7 @@ def evaluate_command(folder: Path, settings: EvaluateSettings, out: Path | None,
     """
     if out is not None and out.exists() and not force:
         raise OutputExistsError(f"{out} exists; give another --out, or --force to replace it")
-    agent = ActivePerceiver.from_pretrained(folder, confirm=settings.confirm)
+    agent = ActivePerceiver.from_pretrained(folder, confirm=settings.confirm, explore=settings.explore)
     body = _MEASURES[agent.config.task](agent, settings)
     print(format_measures(body))
     if out is not None:

@@ -5,13 +5,15 @@ No ground truth is used until the search has ended; then it says whether "found"
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.policies.restless import ALIKE, restless, unit_vectors
+from active_perceiver.course import Course
+from active_perceiver.known_targets import Sight
+from active_perceiver.policies.restless import ALIKE, unit_vectors
 from active_perceiver.recognition.metrics import box_iou
 
 LIMIT = 500
@@ -60,25 +62,27 @@ class SearchTables:
     Attributes:
         scene: where, its name.
         target: what for, its name.
-        probabilities: (S, K, A) of the actions.
-        found: (S, K) where the agent says found.
-        nearly: (S, K) where the view before one in which it says found has to be, if it needs two to say so; None if
-            one is enough.
-        right: (S, K) where that is true.
+        probabilities: (S, K, A) of the actions, the policy's.
+        sights: what it sees in a state, asked with a picture; by their numbers.
+        right: (S, K) where "found" is true.
         transitions: (S, A).
         steps: (S,) fewest actions to a goal; searches start where this is positive.
         alike: (S, S) which views the agent takes for the same, see `alike_views`.
+        course: the beginning of a search with a picture, by its number.
+        likeness: (S, R) how alike each view is to the R states of the room that the agent remembers; None if it does
+            not look round there.
     """
 
     scene: str
     target: str
     probabilities: NDArray[np.floating]
-    found: NDArray[np.bool_]
-    nearly: NDArray[np.bool_] | None
+    sights: Callable[[int, int], Sight]
     right: NDArray[np.bool_]
     transitions: NDArray[np.integer]
     steps: NDArray[np.integer]
     alike: NDArray[np.bool_]
+    course: Callable[[int], Course] = field(default=lambda picture: Course())
+    likeness: NDArray[np.floating] | None = None
 
 
 def found_area(
@@ -129,27 +133,10 @@ def search_until_found(asked: SearchTables, searches: int, rng: np.random.Genera
         searches: how many.
         rng: draws starts, pictures and actions.
     """
-    found, transitions, steps = asked.found, asked.transitions, asked.steps
-    states = rng.choice(np.flatnonzero(steps > 0), searches)
-    pictures = rng.integers(found.shape[1], size=searches)
-    shortest = steps[states]
-    taken = np.zeros(searches, np.int64)
-    looks = np.zeros((searches, len(transitions)), np.float32)  # how often each search looked at a view like each
-    confirmed = np.full(searches, asked.nearly is None)
-    under_way = ~(found[states, pictures] & confirmed)
-    while under_way.any() and taken.max() < LIMIT:
-        here, chosen = states[under_way], pictures[under_way]
-        earlier = looks[under_way, here]
-        looks[under_way] += asked.alike[here]
-        limits = np.cumsum(restless(asked.probabilities[here, chosen], earlier), axis=-1)
-        draws = rng.random(len(here))[:, None] * limits[:, -1:]
-        states[under_way] = transitions[here, (draws > limits).sum(axis=1)]
-        taken[under_way] += 1
-        if asked.nearly is not None:
-            moved = ~asked.alike[here, states[under_way]]
-            confirmed[under_way] = np.where(moved, asked.nearly[here, chosen], confirmed[under_way])
-        under_way &= ~(found[states, pictures] & confirmed)
-    ended = ~under_way
+    starts = rng.choice(np.flatnonzero(asked.steps > 0), searches)
+    pictures = rng.integers(asked.right.shape[1], size=searches)
+    ends = [search_once(asked, int(s), int(p), rng) for s, p in zip(starts, pictures, strict=True)]
+    states, taken, ended = (np.array(column) for column in zip(*ends, strict=True))
     true = ended & asked.right[states, pictures]
     return OwnWord(
         scene=asked.scene,
@@ -157,11 +144,32 @@ def search_until_found(asked: SearchTables, searches: int, rng: np.random.Genera
         searches=searches,
         true_found=float(true.mean()),
         false_found=float((ended & ~true).mean()),
-        not_found=float(under_way.mean()),
-        at_goal=float((ended & (steps[states] == 0)).mean()),
+        not_found=float((~ended).mean()),
+        at_goal=float((ended & (asked.steps[states] == 0)).mean()),
         mean_steps=float(taken[true].mean()) if true.any() else float("nan"),
-        shortest_mean=float(shortest.mean()),
+        shortest_mean=float(asked.steps[starts].mean()),
     )
+
+
+def search_once(asked: SearchTables, state: int, picture: int, rng: np.random.Generator) -> tuple[int, int, bool]:
+    """The state where a search ends, the actions it takes, and whether the agent says found there."""
+    course, looks, before = asked.course(picture), np.zeros(len(asked.transitions), np.int64), -1
+    for taken in range(LIMIT + 1):
+        probabilities, found = course.decide(
+            asked.sights(state, picture),
+            asked.probabilities[state, picture],
+            earlier=int(looks[state]),
+            moved=before >= 0 and not asked.alike[before, state],
+            likeness=None if asked.likeness is None else asked.likeness[state],
+        )
+        if found:
+            return state, taken, True
+        looks += asked.alike[state]
+        limits = np.cumsum(probabilities)
+        action = int(np.searchsorted(limits, rng.random() * limits[-1], side="right"))
+        course.did(action)
+        before, state = state, int(asked.transitions[state, action])
+    return before, LIMIT, False
 
 
 def overall(results: Sequence[OwnWord]) -> dict[str, float]:

@@ -16,7 +16,9 @@ from active_perceiver.scenes.lattice import goal_states, islands, steps_to_goal
 def describe(scene: Scene) -> str:
     """A few lines on the whole and one on each target."""
     places = len(np.unique(scene.positions))
-    headings, tilts = (np.unique(scene.poses[:, column]) for column in (2, 3))
+    each = np.bincount(scene.positions)
+    views = f"{each.max()}" if each.min() == each.max() else f"{each.min()} to {each.max()}"
+    tilts = len(np.unique(scene.poses[:, 3]))
     blocked = float((scene.transitions == np.arange(len(scene))[:, None]).mean())
     megabytes = sum(len(view) for view in scene.views) / 1e6
     parts = islands(scene.transitions).max() + 1
@@ -25,13 +27,17 @@ def describe(scene: Scene) -> str:
     lines = [
         f"{scene.name}: {scene.source}",
         f"  views      {len(scene)} of {size}, {scene.fov:g} degrees, {megabytes:.1f} MB",
-        f"  poses      {places} places x {len(headings)} headings x {len(tilts)} tilts, {parts} island(s)",
+        f"  poses      {places} places, {views} views at each, {tilts} tilt(s), {parts} island(s)",
         f"  actions    {actions}; {100 * blocked:.0f} % blocked",
         f"  content    {scene.content_hash}",
         "",
-        f"  {'target':<14} {'seen in':>8} {'largest box':>12} {'goals':>6} {'steps to a goal':>16}"
-        f" {'pictures':>9} + held out",
     ]
+    if not scene.targets:
+        return "\n".join([*lines, "  no objects are marked; its views can be searched for, with train --task view"])
+    lines.append(
+        f"  {'target':<14} {'seen in':>8} {'largest box':>12} {'goals':>6} {'steps to a goal':>16}"
+        f" {'pictures':>9} + held out"
+    )
     goals = goal_states(scene.areas)
     for index, target in enumerate(scene.targets):
         steps = steps_to_goal(scene.transitions, goals[:, index])

@@ -40,6 +40,8 @@ def check_targets(scenes: Sequence[Scene], wanted: Sequence[str]) -> None:
     Raises:
         UserError: if not; the message says what there is.
     """
+    for scene in scenes:
+        scene.require_targets()
     for name in wanted:
         if not any(searched_targets(scene, [name]) for scene in scenes):
             if name == OF_RECORD:
@@ -63,8 +65,11 @@ def check_taught(scenes: Sequence[Scene], taught: Sequence[Scene], wanted: Seque
         Sentences on what is searched for though the recogniser is not trained on it.
 
     Raises:
-        UserError: if it would be trained with a picture of a target that a scene holds out.
+        UserError: if it would be trained with a picture of a target that a scene holds out, or on a scene without
+            targets.
     """
+    for scene in taught:
+        scene.require_targets()
     used = {picture for scene in taught for target in scene.targets for picture in target.pictures[: target.trained]}
     visible = {name for scene in taught for name in searched_targets(scene, ())}
     notes = []

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from active_perceiver.errors import UserError
 from active_perceiver.experiments.result import write_result
+from active_perceiver.experiments.robot_places import robot_at
 from active_perceiver.figures.annotate import draw_detection
 from active_perceiver.figures.floor import figure_png, trajectory_figure
 from active_perceiver.figures.video import write_video
 from active_perceiver.files import OutputExistsError, replacing
 from active_perceiver.perceiver import ActivePerceiver
-from active_perceiver.robots import Glimpse, RecordedRobot, SearchRecord, search
-from active_perceiver.scenes import Scene, open_scene, read_image
+from active_perceiver.robots import Glimpse, SearchRecord, search
+from active_perceiver.scenes import Action, Scene, read_image
 
 
 def search_command(
@@ -30,6 +30,7 @@ def search_command(
     seed: int | None = None,
     threads: int | None = None,
     confirm: bool = False,
+    explore: bool = True,
     out: Path | None = None,
     force: bool = False,
 ) -> bool:
@@ -44,30 +45,29 @@ def search_command(
     image = read_image(picture)
     if out is not None and out.exists() and not force and any(out.iterdir()):
         raise OutputExistsError(f"{out} is not empty; give another --out, or --force to replace what is in it")
-    agent = ActivePerceiver.from_pretrained(agent_folder, threads, confirm=confirm)
-    scene = _scene_of(robot)
-    if branch is None and scene.name in agent.config.branches:
-        branch = scene.name
-    with RecordedRobot(scene, start, seed) as recorded:
-        print(
-            f"searching for {picture.name} in {scene.name}, from state {recorded.state}, at most {max_steps} actions"
-        )
+    agent = ActivePerceiver.from_pretrained(agent_folder, threads, confirm=confirm, explore=explore)
+
+    def actions_in(name: str) -> tuple[Action, ...]:
+        """Those of the policy branch that will be used there; `search` refuses one that there is not."""
+        branches = agent.config.branches
+        chosen = branch or name
+        return agent.config.actions(chosen if chosen in branches else next(iter(branches)))
+
+    place = robot_at(robot, actions_in, start, seed)
+    if branch is None and place.name in agent.config.branches:
+        branch = place.name
+    with place.robot as driven:
+        print(f"searching for {picture.name} in {place.name}, from {place.start}, at most {max_steps} actions")
         record = search(
-            agent, recorded, image, branch=branch, max_steps=max_steps, max_seconds=max_seconds, seed=seed,
+            agent, driven, image, branch=branch, max_steps=max_steps, max_seconds=max_seconds, seed=seed,
             on_glimpse=_print_glimpse,
         )  # fmt: skip
     print(verdict(record))
     if out is not None:
-        write_search(record, scene, picture.stem, out)
-        print(f"written: {out}/search.mp4, path.png, final.png, search.json")
+        write_search(record, place.scene, picture.stem, out, place.name)
+        path = "" if place.scene is None else "path.png, "
+        print(f"written: {out}/search.mp4, {path}final.png, search.json")
     return record.found
-
-
-def _scene_of(robot: str) -> Scene:
-    kind, _, name = robot.partition(":")
-    if kind != "scene" or not name:
-        raise UserError(f"'{robot}' is no robot this version can drive; give scene:NAME or scene:FILE")
-    return open_scene(name)
 
 
 def _print_glimpse(actions: int, glimpse: Glimpse) -> None:
@@ -87,11 +87,20 @@ def verdict(record: SearchRecord) -> str:
     return f"not found: gave up after {record.actions} actions, {record.seconds:.1f} s"
 
 
-def write_search(record: SearchRecord, scene: Scene, label: str, out: Path) -> None:
-    """Write `search.mp4`, `path.png`, `final.png` and `search.json` into a folder."""
+def write_search(record: SearchRecord, scene: Scene | None, label: str, out: Path, name: str) -> None:
+    """Write `search.mp4`, `path.png`, `final.png` and `search.json` into a folder.
+
+    Args:
+        record: the search.
+        scene: for the floor plan; without it there is no `path.png`.
+        label: name of what was searched.
+        out: the folder.
+        name: of the scene or room.
+    """
     write_video(record, out / "search.mp4", scene, label, force=True)
-    with replacing(out / "path.png") as temporary:
-        temporary.write_bytes(path_png(record, scene, label))
+    if scene is not None:
+        with replacing(out / "path.png") as temporary:
+            temporary.write_bytes(path_png(record, scene, label))
     last = record.glimpses[-1]
     with replacing(out / "final.png") as temporary:
         Image.fromarray(draw_detection(last.image, last.step.detection, label)).save(temporary)
@@ -106,7 +115,7 @@ def write_search(record: SearchRecord, scene: Scene, label: str, out: Path) -> N
         }
         for glimpse in record.glimpses
     ]
-    body = {"scene": scene.name, "found": record.found, "actions": record.actions, "seconds": record.seconds}
+    body = {"scene": name, "found": record.found, "actions": record.actions, "seconds": record.seconds}
     write_result(out / "search.json", "search", {**body, "steps": steps})
 
 

@@ -66,5 +66,8 @@ class EvaluateSettings:
     """Searches per target by the agent's own word, from random starts."""
     confirm: bool = False
     """By its own word the agent takes two views in a row, from different poses, to say found."""
+    explore: bool = True
+    """Whether by its own word the agent looks round the room when its policy leads in circles; with --no-explore it
+    follows the policy all the same."""
     seed: int = 0
     """Draws of starts, pictures and actions follow from it."""

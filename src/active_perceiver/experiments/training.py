@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from active_perceiver.agent_config import AgentConfig, SearchKind
-from active_perceiver.experiments.assembling import agent_config, save_pictures
+from active_perceiver.experiments.assembling import agent_config, save_maps, save_pictures
 from active_perceiver.experiments.changed_views import changed_observations
 from active_perceiver.experiments.evaluating import measure_agent
 from active_perceiver.experiments.model_card import write_card
@@ -37,6 +37,8 @@ from active_perceiver.progress import console, progress_bar
 from active_perceiver.recognition.recogniser import Recogniser
 from active_perceiver.recognition.training import CONFIGS, RecogniserConfig, TrainedRecogniser, train_recogniser
 from active_perceiver.scenes import Scene
+from active_perceiver.scenes.labelling import label_states
+from active_perceiver.scenes.scene import PROPOSED, UNLABELLED
 from active_perceiver.search.observations import Observations
 from active_perceiver.vision.backbone import Backbone
 from active_perceiver.vision.cache import SceneFeatures
@@ -74,10 +76,30 @@ def prepare(settings: TrainSettings) -> Material:
     if taught is not scenes:
         for note in check_taught(scenes, taught, settings.targets):
             console.print(f"note: {note}", highlight=False)
+    for warning in label_warnings(dict.fromkeys((*scenes, *taught))):
+        console.print(f"warning: {warning}", highlight=False, soft_wrap=True)
     backbone = open_backbone(settings)
     features = tuple(features_of(scene, backbone) for scene in scenes)
     taught_features = features if taught is scenes else tuple(features_of(scene, backbone) for scene in taught)
     return Material(backbone, scenes, features, taught, taught_features)
+
+
+def label_warnings(scenes: Iterable[Scene]) -> list[str]:
+    """Sentences on views whose boxes nobody has drawn or looked at, and what that means for training."""
+    warnings = []
+    for scene in scenes:
+        unlabelled, proposed = (int((label_states(scene) == state).sum()) for state in (UNLABELLED, PROPOSED))
+        if unlabelled:
+            warnings.append(
+                f"{unlabelled} of {len(scene)} views of {scene.name} are not labelled: no recogniser learns from "
+                "them, and none of them is where a search should end; label them with `scenes label`"
+            )
+        if proposed:
+            warnings.append(
+                f"the boxes of {proposed} of {len(scene)} views of {scene.name} were proposed by a recogniser and "
+                "not accepted: they are learned from as they are; look at them with `scenes label`"
+            )
+    return warnings
 
 
 def train_agent(settings: TrainSettings, out: Path, *, force: bool = False, resume: bool = False) -> dict[str, Any]:
@@ -127,6 +149,7 @@ def _train_for_objects(
     held_out_views = recogniser_metrics.pop("held_out_views")
     config = agent_config(settings, material.backbone, sightings, material.features, recogniser, held_out_views)
     config.save(work)
+    save_maps(sightings, work)
     save_pictures(sightings, work)
     agent = ActivePerceiver.from_pretrained(work)
     with console.status("measuring"):

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from active_perceiver.agent_config import picture_folder
 from active_perceiver.errors import UserError
@@ -16,6 +18,7 @@ from active_perceiver.experiments.policy_figures import evaluate_tables
 from active_perceiver.experiments.settings import EvaluateSettings
 from active_perceiver.experiments.stages import features_of
 from active_perceiver.experiments.view_searches import ViewSearches
+from active_perceiver.known_targets import Sight
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.search.view_task import viewed_state
@@ -52,8 +55,7 @@ def measure_view_agent(
                 scene=one.scene.name,
                 target=name,
                 probabilities=table[:, column],
-                found=found[:, column],
-                nearly=None,
+                sights=partial(_sight, found[:, index]),
                 right=task.goals[:, column],
                 transitions=task.transitions,
                 steps=task.steps[:, index],
@@ -72,6 +74,10 @@ def measure_view_agent(
         },
     }
     return body
+
+
+def _sight(found: NDArray[np.bool_], state: int, picture: int) -> Sight:
+    return Sight(None, found=bool(found[state]), nearly=False)
 
 
 def agent_view_searches(agent: ActivePerceiver) -> list[ViewSearches]:

@@ -27,7 +27,8 @@ def contact_sheet(scene: Scene, seed: int = 0) -> NDArray[np.uint8]:
         (H, W, 3) uint8.
     """
     width = COLUMNS * (TILE + GAP) + GAP
-    rows = [_views(scene, seed), _targets(scene), _plan(scene, width)]
+    targets = [_targets(scene)] if scene.targets else []
+    rows = [_views(scene, seed), *targets, _plan(scene, width)]
     title = Image.new("RGB", (width, 56), "white")
     draw = ImageDraw.Draw(title)
     draw.text((GAP, 6), scene.name, fill=INK, font=font(26))
@@ -72,8 +73,9 @@ def _targets(scene: Scene) -> Image.Image:
 
 
 def _plan(scene: Scene, width: int) -> Image.Image:
-    goals = np.asarray(goal_states(scene.areas).any(axis=1))
-    plan = Image.fromarray(figure_image(trajectory_figure(scene, [], goals, "goal states of all targets")))
+    goals = np.asarray(goal_states(scene.areas).any(axis=1)) if scene.targets else None
+    title = "the places" if goals is None else "goal states of all targets"
+    plan = Image.fromarray(figure_image(trajectory_figure(scene, [], goals, title)))
     row = Image.new("RGB", (width, plan.height), "white")
     row.paste(plan, ((width - plan.width) // 2, 0))
     return row

@@ -82,14 +82,16 @@ def mean_by_place(
 
 
 def lattice_spacing(places: NDArray[np.floating]) -> float:
-    """The side in metres of the largest equal squares along x and z around the places that do not overlap.
+    """The side in metres of equal squares along x and z around the places that do not overlap.
 
-    On the lattices that robots move on, it is the distance of neighbours; 0.5 for a single place.
+    On the lattices that robots move on, it is the distance of neighbours; 0.5 for a single place. Measured places
+    keep no even distance: squares are at least half the usual one, even if the two closest places then overlap.
     """
     if len(places) < 2:
         return 0.5
     distance, _ = cKDTree(places).query(places, k=2, p=np.inf)
-    return float(distance[:, 1].min())
+    nearest = distance[:, 1]
+    return float(max(nearest.min(), np.median(nearest) / 2))
 
 
 def _check(scene: Scene, label: str, row: Sequence[NDArray], columns: Sequence[str], most: float) -> None:

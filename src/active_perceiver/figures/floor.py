@@ -21,6 +21,8 @@ from active_perceiver.scenes import Scene
 PANELS_PER_ROW = 4
 # Metres between two searches drawn on the same lattice edge, and between the first and the last of many.
 _APART, _SPREAD = 0.05, 0.22
+# Metres around the places of a scene without a floor plan: arrows that stand there and look outwards fit.
+_AROUND = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +59,9 @@ def draw_floor(axes: Axes, scene: Scene, details: bool = True) -> None:
                 _name_obstacle(axes, label, polygon)
         axes.fill(*plan.outline.T, fill=False, edgecolor=INK, linewidth=2)
     places = np.unique(scene.poses[:, :2], axis=0)
+    if plan is None:
+        (left, low), (right, high) = (places.min(0) - _AROUND).tolist(), (places.max(0) + _AROUND).tolist()
+        axes.set(xlim=(left, right), ylim=(low, high))
     if details or plan is None:
         axes.scatter(places[:, 0], places[:, 1], s=5, color=MUTED, alpha=0.6, linewidths=0, zorder=2)
 
@@ -165,6 +170,7 @@ def panel_size(scene: Scene, longest: float) -> tuple[float, float]:
     """Width and height in inches of a plan whose longer side is `longest`; a very narrow room gets some margin."""
     plan = scene.floor_plan
     extent = np.ptp(scene.poses[:, :2] if plan is None else plan.outline, axis=0).astype(float)
+    extent += 2 * _AROUND if plan is None else 0.0
     width, height = (longest * np.maximum(extent / max(extent.max(), 1e-6), 0.4)).tolist()
     return width, height
 

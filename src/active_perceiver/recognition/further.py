@@ -99,8 +99,8 @@ def make_further(
         number = scene_of_view[row]
         return scenes[number].view(int(row - first_view[number]))
 
-    learned = np.flatnonzero(~split.views)
-    originals = np.tile(learned, max(round(config.views / len(learned)), int(config.views > 0)))
+    learned = np.flatnonzero(~split.views & (data.states != UNJUDGED).any(axis=1))
+    originals = np.tile(learned, max(round(config.views / max(1, len(learned))), int(config.views > 0)))
     cut_outs = [_views_to_cut_from(data, split, target, config.cut_outs, rng) for target in range(len(data.names))]
     targets = [target for scene in scenes for target in scene.targets]
     copied = np.where(split.targets, 0, split.seen_pictures * config.pictures)

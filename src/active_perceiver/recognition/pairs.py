@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.recognition.recogniser import RecogniserError
+from active_perceiver.scenes.labelling import labelled_views
 from active_perceiver.scenes.scene import Scene
 
 PRESENT, ABSENT, UNJUDGED = 1, 0, -1
@@ -20,7 +21,8 @@ class Annotations:
 
     Attributes:
         boxes: (V, T, 4) float32 true boxes; zeros where the target is not visible.
-        states: (V, T) int8: PRESENT, ABSENT, or UNJUDGED, that is too small to tell or of another scene.
+        states: (V, T) int8: PRESENT, ABSENT, or UNJUDGED, that is too small to tell, of another scene, or in a view
+            that nobody has labelled.
         names: (T,) "scene/target".
         pictures: (T,) number of pictures of each target.
         held_out: (T,) how many of them, the last ones, are never trained with.
@@ -52,6 +54,7 @@ class Annotations:
             states[rows, columns] = np.where(
                 visible, np.where(scene.areas >= smallest_area, PRESENT, UNJUDGED), ABSENT
             )
+            states[rows][~labelled_views(scene)] = UNJUDGED
             places[rows] = before + scene.positions
             before += int(scene.positions.max(initial=-1)) + 1
         names = [f"{scene.name}/{target.name}" for scene in scenes for target in scene.targets]
@@ -78,10 +81,11 @@ class Split:
     def of(cls, data: Annotations, places: float, targets: Sequence[str], rng: np.random.Generator) -> Split:
         """Hold out a fraction of the places, drawn at random; for the rest see `holding_out`.
 
-        Where there are two places or more, one at least is held out and one kept.
+        Places where nothing can be judged do not count. Where there are two others or more, one at least is held out
+        and one kept.
         """
-        known = np.unique(data.places)
-        count = min(max(round(places * len(known)), int(places > 0)), len(known) - 1)
+        known = np.unique(data.places[(data.states != UNJUDGED).any(axis=1)])
+        count = max(min(max(round(places * len(known)), int(places > 0)), len(known) - 1), 0)
         return cls.holding_out(data, np.isin(data.places, rng.permutation(known)[:count]), targets)
 
     @classmethod

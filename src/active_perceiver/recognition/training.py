@@ -175,6 +175,7 @@ def train_recogniser(
 
     Raises:
         RecogniserError: if scenes, features and views to hold out do not fit, or no target is visible anywhere.
+        SceneError: if a scene has no targets.
     """
     config = config or CONFIGS["matching"]
     _check(scenes, features, held_out, backbone)
@@ -206,6 +207,7 @@ def _check(
             f"training needs scenes and the features of each: got {len(scenes)} and {len(features)}"
         )
     for scene, feature in zip(scenes, features, strict=True):
+        scene.require_targets()
         if len(feature.view_maps) != len(scene) or len(feature.target_maps) != len(scene.targets):
             raise RecogniserError(f"the features given for scene '{scene.name}' are of another scene")
     if len({(feature.backbone, feature.view_maps.shape[1:]) for feature in features}) > 1:

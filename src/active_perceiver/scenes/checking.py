@@ -57,6 +57,10 @@ def _moves(scene: Scene) -> list[Problem]:
 
 
 def _targets(scene: Scene) -> list[Problem]:
+    if not scene.targets:
+        return [Problem("no objects are marked: only views can be searched for, with `train --task view`")]
+    if scene.labels is not None and not scene.labels.any():
+        return []  # what is not labelled yet is said in `_labels`
     found = []
     goals = goal_states(scene.areas)
     for index, name in enumerate(scene.target_names):
@@ -86,7 +90,10 @@ def _labels(scene: Scene) -> list[Problem]:
     found = []
     if unlabelled:
         found.append(
-            Problem(f"{unlabelled} views are not labelled: they count as showing no target; see `scenes label`")
+            Problem(
+                f"{unlabelled} views are not labelled: no recogniser learns from them, and no search ends there; see"
+                " `scenes label`"
+            )
         )
     if proposed:
         found.append(Problem(f"the boxes of {proposed} views were proposed by a recogniser and not looked at since"))

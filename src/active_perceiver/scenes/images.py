@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,10 @@ def decode_image(data: bytes, name: str = "image", side: int | None = None) -> N
             return np.asarray(_as_rgb(ImageOps.exif_transpose(image)))
     except UnidentifiedImageError:
         raise ImageError(f"{name} is not an image Pillow can read; save it as JPEG, PNG or WebP") from None
-    except (OSError, SyntaxError, Image.DecompressionBombError) as error:
+    except ImageError:
+        raise
+    # What Pillow raises for files that are damaged somewhere in the middle depends on where.
+    except (OSError, SyntaxError, ValueError, struct.error, Image.DecompressionBombError) as error:
         raise ImageError(f"{name} is broken or truncated ({error}); save it again as JPEG or PNG") from None
 
 

@@ -40,10 +40,12 @@ TURTLEBOT_ACTIONS: tuple[Action, ...] = (
     Action.LOOK_DOWN,
 )
 
-# Direction of a move relative to the heading, in degrees clockwise.
-_MOVE_DIRECTION = {Action.MOVE_AHEAD: 0, Action.MOVE_RIGHT: 90, Action.MOVE_BACK: 180, Action.MOVE_LEFT: 270}
-_TURN = {Action.ROTATE_LEFT: -1, Action.ROTATE_RIGHT: 1}
-_LOOK = {Action.LOOK_UP: 1, Action.LOOK_DOWN: -1}
+MOVE_DIRECTION = {Action.MOVE_AHEAD: 0, Action.MOVE_RIGHT: 90, Action.MOVE_BACK: 180, Action.MOVE_LEFT: 270}
+"""Direction of a move relative to the heading, in degrees clockwise."""
+TURN = {Action.ROTATE_LEFT: -1, Action.ROTATE_RIGHT: 1}
+"""Which way an action turns: 1 is clockwise seen from above."""
+LOOK = {Action.LOOK_UP: 1, Action.LOOK_DOWN: -1}
+"""Which way an action tilts: 1 is up."""
 
 
 def lattice_poses(
@@ -96,14 +98,14 @@ def lattice_transitions(poses: NDArray[np.floating], actions: Sequence[Action], 
     transitions = np.tile(np.arange(len(poses), dtype=np.int32)[:, None], (1, len(actions)))
     for column, action in enumerate(actions):
         moved = key.copy()
-        if action in _MOVE_DIRECTION:
-            angle = np.radians(poses[:, 2] + _MOVE_DIRECTION[action])
+        if action in MOVE_DIRECTION:
+            angle = np.radians(poses[:, 2] + MOVE_DIRECTION[action])
             moved[:, 0] += np.round(16 * np.sin(angle)).astype(np.int64)
             moved[:, 1] += np.round(16 * np.cos(angle)).astype(np.int64)
-        elif action in _TURN:
-            moved[:, 2] = (moved[:, 2] + _TURN[action]) % len(headings)
+        elif action in TURN:
+            moved[:, 2] = (moved[:, 2] + TURN[action]) % len(headings)
         else:
-            moved[:, 3] += _LOOK[action]
+            moved[:, 3] += LOOK[action]
         for state, row in enumerate(moved.tolist()):
             transitions[state, column] = state_of.get(tuple(row), state)
     return transitions

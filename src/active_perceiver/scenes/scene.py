@@ -89,7 +89,8 @@ class Scene:
         transitions: (S, A) int32, the next state; the state's own index where the move is blocked.
         boxes: (S, T, 4) float32: centre x, centre y, width, height as fractions of the image; NaN where not
             visible.
-        targets: (T,) what can be searched, in the order of `boxes`.
+        targets: (T,) what can be searched, in the order of `boxes`; none if nobody marked an object, so that only the
+            scene's own views can be searched for.
         image_size: side of the (square) views in pixels.
         fov: the camera's field of view in degrees.
         source: where the scene comes from, one line.
@@ -115,8 +116,6 @@ class Scene:
         states, names = len(self.views), self.target_names
         if states == 0:
             raise SceneError(f"scene '{self.name}' has no views")
-        if not self.targets:
-            raise SceneError(f"scene '{self.name}' has no targets; there is nothing to search")
         if len(set(names)) != len(names):
             raise SceneError(f"scene '{self.name}' names a target twice: {sorted(names)}")
         shapes = {
@@ -191,12 +190,22 @@ class Scene:
         """Decode one state's image, (H, W, 3) uint8 RGB."""
         return decode_image(self.views[state], f"view {state} of scene '{self.name}'")
 
+    def require_targets(self) -> None:
+        """Make sure that there are objects to search for.
+
+        Raises:
+            SceneError: if there are none.
+        """
+        if not self.targets:
+            raise SceneError(f"scene '{self.name}' has no objects to search for, only views: use --task view")
+
     def target_index(self, name: str) -> int:
         """Index of a target by name.
 
         Raises:
             SceneError: if the scene has no such target; the message lists those it has.
         """
+        self.require_targets()
         if name not in self.target_names:
             known = ", ".join(self.target_names)
             raise SceneError(f"scene '{self.name}' has no target '{name}'; it has {known}")

@@ -1,14 +1,14 @@
 """The search for targets in a scene: tasks, observations, rewards and Gymnasium environments.
 
-Importing this registers the environment `ActivePerceiver/Search-v0` with Gymnasium; without an import, make it as
-`gymnasium.make("active_perceiver.search:ActivePerceiver/Search-v0", scene=...)`.
+Importing this registers `ActivePerceiver/Search-v0` and an id for each bundled scene with Gymnasium; without an
+import, make one as `gymnasium.make("active_perceiver.search:ActivePerceiver/Search-v0", scene=...)`. See
+`registration`.
 """
-
-from gymnasium.envs.registration import register
 
 from active_perceiver.search.env import SearchEnv
 from active_perceiver.search.location import location_mask
 from active_perceiver.search.observations import Observations
+from active_perceiver.search.registration import register_environments
 from active_perceiver.search.rewards import REWARDS, Reward, reward_named
 from active_perceiver.search.searches import Searches
 from active_perceiver.search.task import SearchError, SearchTask
@@ -30,8 +30,4 @@ __all__ = [
     "view_task",
 ]
 
-register(
-    id="ActivePerceiver/Search-v0",
-    entry_point="active_perceiver.search.env:SearchEnv",
-    vector_entry_point="active_perceiver.search.vector_env:SearchVectorEnv",
-)
+register_environments()

@@ -12,7 +12,8 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from active_perceiver.scenes import Scene
-from active_perceiver.search.env_tables import env_tables
+from active_perceiver.search.env_tables import RENDER_MODES, check_render_mode, env_tables
+from active_perceiver.search.observation_modes import ObservationMode
 from active_perceiver.search.observations import Observations
 from active_perceiver.search.rewards import reward_named
 from active_perceiver.search.task import SearchError, SearchTask
@@ -26,9 +27,16 @@ class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
     action that would collide leaves the state as it is.
 
     ## Observation space
-    `Dict` with `view` and `target`, backbone features (D,) float32 if `observations` are given and else images
-    (84, 84, 3) uint8, and `mask` (25,) float32, the 5 x 5 location mask: where in the view the target is seen, by the
-    recogniser whose observations are given, else by ground truth.
+    A `Dict`; what is in it is chosen by `observation`:
+
+    - "image": `view` and `target`, what the robot sees and the picture of what it searches for, (84, 84, 3) uint8.
+    - "features": `view` and `target`, what the backbone makes of these, (D,) float32, and `mask` (25,) float32, the
+      5 x 5 location mask: where in the view the target is seen, by the recogniser whose `observations` are given,
+      else by ground truth.
+    - "boxes": `box` (5,) float32, the target's ground-truth box as 1, centre x, centre y, width, height (fractions of
+      the image), or five zeros where it is not visible; and `target`, its number.
+
+    None of them says where the robot is.
 
     ## Rewards
     One of `active_perceiver.search.REWARDS`.
@@ -48,11 +56,14 @@ class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
         scene: a scene, the name of a bundled one or a file; may be left out if task and observations are given.
         targets: names of what is searched; None for all of the scene's.
         task: instead of `targets`, a search task.
-        observations: features and masks of the task.
+        observation: "image", "features" or "boxes"; None for "features" if `observations` are given, else "image".
+        observations: features and masks of the task; None to compute them (features are kept in the cache).
         reward: a name in `REWARDS`.
         max_steps: 5000 in the paper.
-        image_size: side of the images if there are no observations.
-        render_mode: "rgb_array" for the view.
+        image_size: side in pixels of the images shown, 84 if None; with "features" of those the backbone gets, 320 if
+            None.
+        backbone: whose features, if they are computed.
+        render_mode: "rgb_array" for the view with the target's ground-truth box.
 
     Raises:
         SearchError: if what was given does not go together.
@@ -60,7 +71,7 @@ class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
     """
 
     # An annotation as ClassVar would contradict Gymnasium's own.
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": [*RENDER_MODES], "render_fps": 4}  # noqa: RUF012
 
     def __init__(
         self,
@@ -68,19 +79,20 @@ class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
         targets: Sequence[str] | None = None,
         *,
         task: SearchTask | None = None,
+        observation: ObservationMode | None = None,
         observations: Observations | None = None,
         reward: str = "gain",
         max_steps: int = 5000,
-        image_size: int = 84,
+        image_size: int | None = None,
+        backbone: str = "efficientnet_lite0",
         render_mode: str | None = None,
     ) -> None:
-        self.tables = env_tables(scene, targets, task, observations, image_size)
+        self.tables = env_tables(scene, targets, task, observations, observation, image_size, backbone)
         self.task = self.tables.task
         self.reward = reward_named(reward)
         if max_steps < 1:
             raise SearchError(f"an episode needs at least 1 step, got {max_steps}")
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise SearchError(f"render_mode must be None or 'rgb_array', got {render_mode!r}")
+        check_render_mode(render_mode)
         self.max_steps = max_steps
         self.render_mode = render_mode
         self.observation_space: spaces.Space[Any] = self.tables.space
@@ -117,12 +129,10 @@ class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
         return self._observe(), reward, arrived, truncated, self._info()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The view, (H, W, 3) uint8 RGB, if the render mode is "rgb_array"."""
+        """The view with the target's box, (H, W, 3) uint8 RGB, if the render mode is "rgb_array"."""
         if self.render_mode is None:
             return None
-        if self.tables.scene is None:
-            raise SearchError("rendering needs the scene; give it to the environment along with the task")
-        return self.tables.scene.view(self._state)
+        return self.tables.render(self._state, self._target)
 
     def _observe(self) -> dict[str, NDArray[Any]]:
         return self.tables.look(self._state, self._target, self._picture)

@@ -1,4 +1,4 @@
-"""What both environments look their observations up in: features, or pictures where there are no features."""
+"""What both environments consist of: a task, what is shown of it, and checks of what a reset is asked for."""
 
 from __future__ import annotations
 
@@ -10,36 +10,16 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
+from PIL import Image, ImageDraw
 
 from active_perceiver.scenes import Scene, open_scene
-from active_perceiver.scenes.images import square_image
-from active_perceiver.search.location import GRID, location_mask
+from active_perceiver.search.observation_modes import Shown, shown_in
 from active_perceiver.search.observations import Observations
 from active_perceiver.search.task import SearchError, SearchTask
 
 RESET_OPTIONS = ("start", "target", "picture")
-
-
-class PixelViews:
-    """A scene's views at a small size, decoded when first looked at.
-
-    Args:
-        scene: whose views.
-        size: side in pixels.
-    """
-
-    def __init__(self, scene: Scene, size: int) -> None:
-        self._scene = scene
-        self._images = np.zeros((len(scene), size, size, 3), np.uint8)
-        self._decoded = np.zeros(len(scene), bool)
-
-    def __getitem__(self, states: Any) -> NDArray[np.uint8]:
-        """Images of one state (size, size, 3) or of several (n, size, size, 3), uint8."""
-        for state in np.unique(states):
-            if not self._decoded[state]:
-                self._images[state] = square_image(self._scene.view(int(state)), self._images.shape[1])
-                self._decoded[state] = True
-        return self._images[states]
+RENDER_MODES = ("rgb_array",)
+BOX_COLOUR = (255, 77, 46)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,33 +29,52 @@ class EnvTables:
     Attributes:
         task: the search.
         scene: for rendering; None if only tables were given.
-        views: indexed by state.
-        targets: (T, K, ...) indexed by target and picture.
-        masks: (S, T, K, 25) float32 indexed by state, target and picture.
-        space: of one observation.
+        shown: the observation mode.
     """
 
     task: SearchTask
     scene: Scene | None
-    views: NDArray[np.float32] | PixelViews
-    targets: NDArray[Any]
-    masks: NDArray[np.float32]
-    space: spaces.Dict
+    shown: Shown
+
+    @property
+    def space(self) -> spaces.Dict:
+        """The space of one observation."""
+        return self.shown.space
 
     @property
     def pictures(self) -> int:
         """Number of pictures per target."""
-        return self.targets.shape[1]
+        return self.shown.pictures
 
-    def look(self, states: Any, targets: Any, pictures: Any) -> dict[str, NDArray[Any]]:
+    def look(self, states: Any, targets: Any, pictures: Any) -> dict[str, Any]:
         """The observations of some searches: indices of one shape in, arrays that begin with that shape out."""
-        seen = {
-            "view": self.views[states],
-            "target": self.targets[targets, pictures],
-            "mask": self.masks[states, targets, pictures],
-        }
+        seen = self.shown.look(states, targets, pictures)
+        if np.ndim(states):
+            return seen
         # Indexing with arrays has copied already; a single index only points into the tables, which must not change.
-        return seen if np.ndim(states) else {name: array.copy() for name, array in seen.items()}
+        # A number is no array: Gymnasium's discrete spaces hold numbers.
+        return {name: array.copy() if np.ndim(array) else np.int64(array) for name, array in seen.items()}
+
+    def render(self, state: int, target: int) -> NDArray[np.uint8]:
+        """The view with the target's box drawn on it, (H, W, 3) uint8 RGB.
+
+        Raises:
+            SearchError: if the scene is not known.
+        """
+        if self.scene is None:
+            raise SearchError("rendering needs the scene; give it to the environment along with the task")
+        view, name = self.scene.view(state), self.task.targets[target]
+        if name not in self.scene.target_names:
+            return view  # one that is searched by a view has no box
+        box = self.scene.boxes[state, self.scene.target_index(name)]
+        if np.isnan(box).any():
+            return view
+        canvas = Image.fromarray(view)
+        scale = np.array(canvas.size)
+        low, high = (box[:2] - box[2:] / 2) * scale, (box[:2] + box[2:] / 2) * scale - 1
+        corners = (*np.round(low).astype(int).tolist(), *np.round(np.maximum(low, high)).astype(int).tolist())
+        ImageDraw.Draw(canvas).rectangle(corners, outline=BOX_COLOUR, width=max(1, canvas.width // 150))
+        return np.asarray(canvas)
 
     def check_options(self, options: Mapping[str, Any] | None) -> dict[str, Any]:
         """The options of a reset, with a target's name replaced by its index.
@@ -110,21 +109,27 @@ def env_tables(
     targets: Sequence[str] | None = None,
     task: SearchTask | None = None,
     observations: Observations | None = None,
-    image_size: int = 84,
+    observation: str | None = None,
+    image_size: int | None = None,
+    backbone: str = "efficientnet_lite0",
 ) -> EnvTables:
     """Put together what an environment needs, from what it was given.
 
     Args:
-        scene: a scene, the name of a bundled one or a file; needed for pictures and for rendering.
+        scene: a scene, the name of a bundled one or a file; may be left out if task and observations are given.
         targets: names, if no task is given; None for all of the scene's.
         task: the search; None for that of the scene.
-        observations: features and masks; None for pictures and ground-truth masks.
-        image_size: side of the pictures in pixels.
+        observations: features and masks; None to make them from the scene.
+        observation: what is shown, see `observation_modes.shown_in`.
+        image_size: see `observation_modes.shown_in`.
+        backbone: see `observation_modes.shown_in`.
 
     Raises:
         SearchError: if something is missing or does not fit.
         SceneError: if there is no such scene or target.
     """
+    if isinstance(targets, str):
+        raise SearchError(f"targets are a list of names, got the text '{targets}'; write [{targets!r}]")
     if isinstance(scene, (str, Path)):
         scene = open_scene(scene)
     if task is None:
@@ -135,38 +140,14 @@ def env_tables(
         raise SearchError(f"the task has the targets {task.targets}, not {tuple(targets)}; give only one of the two")
     if scene is not None and (len(scene), scene.name) != (len(task), task.scene):
         raise SearchError(f"the task is for scene '{task.scene}' with {len(task)} states, not for '{scene.name}'")
-    if observations is not None:
-        observations.check_fits(task)
-        space: dict[str, spaces.Space[Any]] = {
-            "view": _feature_space(observations.view_features),
-            "target": _feature_space(observations.target_features),
-        }
-        views: NDArray[np.float32] | PixelViews = observations.view_features
-        pictures: NDArray[Any] = observations.target_features
-        masks = observations.masks
-    elif scene is not None:
-        pixels = spaces.Box(0, 255, (image_size, image_size, 3), np.uint8)
-        space = {"view": pixels, "target": pixels}
-        views = PixelViews(scene, image_size)
-        pictures, masks = _pictures_and_masks(scene, task, image_size)
-    else:
-        raise SearchError("without observations an environment shows pictures, for which it needs the scene")
-    space["mask"] = spaces.Box(0, 1, (GRID * GRID,), np.float32)
-    return EnvTables(task, scene, views, pictures, masks, spaces.Dict(space))
+    return EnvTables(task, scene, shown_in(observation, scene, task, observations, image_size, backbone))
 
 
-def _feature_space(features: NDArray[np.float32]) -> spaces.Box:
-    return spaces.Box(features.min(), features.max(), features.shape[-1:], np.float32)
+def check_render_mode(render_mode: str | None) -> None:
+    """Make sure that an environment can be drawn as asked.
 
-
-def _pictures_and_masks(scene: Scene, task: SearchTask, size: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    searched = [scene.target_index(name) for name in task.targets]
-    fewest = min(scene.targets[index].trained for index in searched)
-    targets = np.stack(
-        [
-            np.stack([square_image(scene.targets[index].picture(number), size) for number in range(fewest)])
-            for index in searched
-        ]
-    )
-    masks = location_mask(scene.boxes[:, searched])[:, :, None]
-    return targets, np.broadcast_to(masks, (*masks.shape[:2], fewest, GRID * GRID))
+    Raises:
+        SearchError: if not.
+    """
+    if render_mode not in (None, *RENDER_MODES):
+        raise SearchError(f"render_mode must be None or 'rgb_array', got {render_mode!r}")

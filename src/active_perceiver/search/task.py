@@ -84,9 +84,10 @@ class SearchTask:
             rank: goal states are those whose box is at least as large as the `rank`-th largest (5 in the paper).
 
         Raises:
-            SceneError: if the scene has no such target.
+            SceneError: if the scene has no such target, or none at all.
             SearchError: if a target is never visible or named twice.
         """
+        scene.require_targets()
         names = scene.target_names if targets is None else tuple(targets)
         areas = scene.areas[:, [scene.target_index(name) for name in names]].astype(np.float32)
         goals = goal_states(areas, rank)

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from active_perceiver.scenes import Scene
 from active_perceiver.search.env import SearchEnv
-from active_perceiver.search.env_tables import env_tables
+from active_perceiver.search.env_tables import check_render_mode, env_tables
+from active_perceiver.search.observation_modes import ObservationMode
 from active_perceiver.search.observations import Observations
 from active_perceiver.search.rewards import reward_named
 from active_perceiver.search.searches import Searches
@@ -39,17 +40,18 @@ class SearchVectorEnv(VectorEnv[dict[str, NDArray[Any]], NDArray[np.int64], NDAr
         targets: Sequence[str] | None = None,
         *,
         task: SearchTask | None = None,
+        observation: ObservationMode | None = None,
         observations: Observations | None = None,
         reward: str = "gain",
         max_steps: int = 5000,
-        image_size: int = 84,
+        image_size: int | None = None,
+        backbone: str = "efficientnet_lite0",
         render_mode: str | None = None,
     ) -> None:
-        self.tables = env_tables(scene, targets, task, observations, image_size)
+        self.tables = env_tables(scene, targets, task, observations, observation, image_size, backbone)
         self.task = self.tables.task
         self.searches = Searches(self.task, num_envs, reward_named(reward), max_steps)
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise SearchError(f"render_mode must be None or 'rgb_array', got {render_mode!r}")
+        check_render_mode(render_mode)
         self.num_envs = num_envs
         self.render_mode = render_mode
         self.single_observation_space = self.tables.space
@@ -86,12 +88,11 @@ class SearchVectorEnv(VectorEnv[dict[str, NDArray[Any]], NDArray[np.int64], NDAr
         return self._observe(), rewards, terminated, truncated, self._info()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """Each search's view, if the render mode is "rgb_array"."""
+        """Each search's view with its target's box, if the render mode is "rgb_array"."""
         if self.render_mode is None:
             return None
-        if self.tables.scene is None:
-            raise SearchError("rendering needs the scene; give it to the environment along with the task")
-        return tuple(self.tables.scene.view(int(state)) for state in self.searches.states)
+        searches = zip(self.searches.states.tolist(), self.searches.targets.tolist(), strict=True)
+        return tuple(self.tables.render(state, target) for state, target in searches)
 
     def _begin(self, which: NDArray[np.int64], options: dict[str, Any]) -> None:
         count = len(which)

@@ -90,7 +90,8 @@ def pooled_middle(maps: NDArray[np.floating]) -> NDArray[np.float32]:
     """Average of target pictures' maps over their middle, (N, C, h, w) -> (N, C) float32: not what lies around."""
     weights = middle_weights(*maps.shape[2:])
     weights /= weights.sum()
-    return np.stack([np.tensordot(one.astype(np.float32), weights, axes=2) for one in maps])
+    middles = [np.tensordot(one.astype(np.float32), weights, axes=2) for one in maps]
+    return np.array(middles, np.float32).reshape(maps.shape[:2])  # there may be no maps at all
 
 
 class Backbone:

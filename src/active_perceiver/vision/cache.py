@@ -81,7 +81,8 @@ def scene_features(scene: Scene, backbone: Backbone, progress: Progress | None =
     picture_maps, _ = targets.content()
     counts = np.array([len(target.pictures) for target in scene.targets], np.int64)
     first = np.cumsum(counts) - counts
-    rows = first[:, None] + np.arange(counts.max()) % counts[:, None]
+    # A scene whose views are searched for may have no targets, and no pictures.
+    rows = first[:, None] + np.arange(counts.max(initial=0)) % counts[:, None]
     return SceneFeatures(
         view_maps, view_features, picture_maps[rows], pooled_middle(picture_maps)[rows], counts, backbone.fingerprint
     )

@@ -82,6 +82,7 @@ def measure_act_speed(settings: ActSpeedSettings, progress: Report = quiet) -> d
     """
     _check(settings)
     scene = open_scene(settings.scene)
+    scene.require_targets()
     actions = []
     with tempfile.TemporaryDirectory(prefix="active-perceiver-") as name:
         work = Path(name)

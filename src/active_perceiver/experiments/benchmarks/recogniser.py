@@ -85,6 +85,8 @@ def recogniser_command(
     variants = chosen_variants(settings)
     check_resume(resume, out)
     scenes = open_scenes(settings.scenes)
+    for scene in scenes:
+        scene.require_targets()
     backbone = open_backbone(TrainSettings(backbone=settings.backbone, image_size=settings.image_size))
     # Kept runs are compared by what they depend on before the features, which take minutes, are computed.
     rooms = Rooms(scenes, (), backbone)

@@ -120,9 +120,9 @@ def measure_robustness(
     Returns:
         "protocol"; "conditions": for each one "condition", "meaning", of the policy's exact evaluation "success",
         "ratio", "mean_steps" and "shortest_mean", by its own word "true_found", "false_found", "not_found" and
-        "found_steps" (the mean), "confirmed": the same four if it takes two views to say found, of the recogniser in
-        places it was not trained in "auroc", "ap50", "recall" and "false_positive_rate", and all that
-        `measure_agent` says of each target.
+        "found_steps" (the mean), "confirmed": the same four if it takes two views to say found, "policy_only": if it
+        never explores, of the recogniser in places it was not trained in "auroc", "ap50", "recall" and
+        "false_positive_rate", and all that `measure_agent` says of each target.
 
     Raises:
         AgentError: if the agent searches for views.
@@ -232,11 +232,13 @@ def _measure(
         measured = measure_agent(judged_in_new_places(agent, asked, seen), seen, how)
         groups = [(as_asked(agent, one), one.trained_pictures) for one in seen]
         confirmed = measure_own_word(agent, groups, replace(how, confirm=True))
+        policy_only = measure_own_word(agent, groups, replace(how, explore=False))
     word, detection = measured["own_word"]["pictures_seen"], measured["detection"]["pictures_seen"]
     return {
         **{key: measured["overall"][key] for key in ("success", "ratio", "mean_steps", "shortest_mean")},
         **_by_own_word(word),
         "confirmed": _by_own_word(confirmed),
+        "policy_only": _by_own_word(policy_only),
         **{key: detection[key] for key in ("auroc", "ap50", "recall", "false_positive_rate")},
         "per_target": measured["per_target"],
         "per_target_by_own_word": word["per_target"],

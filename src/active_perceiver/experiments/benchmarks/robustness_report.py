@@ -12,25 +12,28 @@ def format_robustness(body: dict[str, Any]) -> str:
     protocol = body["protocol"]
     lines = [
         f"{', '.join(protocol['scenes'])}: {', '.join(protocol['targets'])}; {protocol['searches']} searches each",
-        f"{'':14}{'found by one view, %':>28}{'by two views, %':>28}{'policy, exact':>17}{'recogniser':>15}",
-        f"{'condition':14}{_WORD_HEAD}{_WORD_HEAD}{'success':>10}{'ratio':>7}{'AUROC':>8}{'AP50':>7}",
+        f"{'':14}{'by its own word, %':>27}{'two views, %':>21}{'not exploring, %':>21}{'policy, exact':>16}"
+        f"{'recogniser':>15}",
+        f"{'condition':14}{_ENDS}{'steps':>7}{_ENDS}{_ENDS}{'success':>10}{'ratio':>6}{'AUROC':>9}{'AP50':>6}",
     ]
     for row in body["conditions"]:
         lines.append(
-            f"{row['condition']:14}{_word(row)}{_word(row['confirmed'])}{100 * row['success']:10.1f}"
-            f"{shown(row['ratio'], '.2f'):>7}{shown(row['auroc']):>8}{shown(row['ap50']):>7}"
+            f"{row['condition']:14}{_ends(row)}{shown(row['found_steps'], '.1f'):>7}{_ends(row['confirmed'])}"
+            f"{_ends(row['policy_only'])}{100 * row['success']:10.1f}{shown(row['ratio'], '.2f'):>6}"
+            f"{shown(row['auroc']):>9}{shown(row['ap50']):>6}"
         )
     lines += [
         f"true: it said found with its box on the target; false: elsewhere; none: not within {protocol['limit']}"
-        " actions. By two views: with --confirm.",
+        " actions. Two views: with --confirm.",
         "steps: actions until a true one. success, ratio: arriving at a goal, actions over the fewest possible.",
     ]
     return "\n".join(lines)
 
 
-_WORD_HEAD = "".join(f"{name:>7}" for name in ("true", "false", "none", "steps"))
+_ENDS = "".join(f"{name:>{width}}" for name, width in (("true", 8), ("false", 6), ("none", 6)))
 
 
-def _word(row: dict[str, Any]) -> str:
-    shares = "".join(f"{100 * row[key]:7.1f}" for key in ("true_found", "false_found", "not_found"))
-    return shares + f"{shown(row['found_steps'], '.1f'):>7}"
+def _ends(row: dict[str, Any]) -> str:
+    """How its searches ended, as the columns of `_ENDS`."""
+    widths = {"true_found": 8, "false_found": 6, "not_found": 6}
+    return "".join(f"{100 * row[key]:{width}.1f}" for key, width in widths.items())

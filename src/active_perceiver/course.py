@@ -1,0 +1,75 @@
+"""The course of one search: the policy leads, unless it leads in circles or what is seen has to be made sure of."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.exploring import Explorer
+from active_perceiver.known_targets import Sight
+from active_perceiver.policies.restless import restless
+
+LOST = 2
+"""An agent that has looked at the present view so often before is lost: the policy does not lead on."""
+
+
+class Course:
+    """What an agent remembers of a search, and what follows from it.
+
+    Args:
+        confirm: whether found needs that the last other view nearly showed the target as well.
+        explorer: where to go when the search is lost; None to follow the policy all the same.
+
+    Attributes:
+        lost: whether the search has been lost; it is explored from then on.
+    """
+
+    def __init__(self, confirm: bool = False, explorer: Explorer | None = None) -> None:
+        self.lost = False
+        self._confirm = confirm
+        self._explorer = explorer
+        self._nearly = self._nearly_before = False
+
+    def decide(
+        self,
+        sight: Sight,
+        probabilities: NDArray[np.floating],
+        earlier: int,
+        moved: bool,
+        likeness: NDArray[np.floating] | None,
+    ) -> tuple[NDArray[np.float64], bool]:
+        """What to make of a view.
+
+        Args:
+            sight: what is seen in it.
+            probabilities: (A,) of actions, the policy's.
+            earlier: how often this search has looked at the same view before.
+            moved: whether the last look was at another view.
+            likeness: (S,) how alike the view is to each state of the room that the explorer knows, see
+                `Explorer.look`; None without an explorer.
+
+        Returns:
+            (A,) probabilities from which to draw the action, which has to be told to `did`; and whether the agent
+            says found.
+        """
+        if moved:
+            self._nearly_before = self._nearly
+        self._nearly = sight.nearly
+        found = sight.found and (self._nearly_before or not self._confirm)
+        flattened = restless(probabilities, earlier)
+        if self._explorer is None or likeness is None:
+            return flattened, found
+        self._explorer.look(likeness, sight.detection)
+        self.lost = self.lost or earlier >= LOST
+        if not self.lost:
+            return flattened, found
+        if self._explorer.settled():
+            return flattened, True
+        certain = np.zeros(len(probabilities))
+        certain[self._explorer.action()] = 1.0
+        return certain, False
+
+    def did(self, action: int) -> None:
+        """Note the action that is carried out next, by its index."""
+        if self._explorer is not None:
+            self._explorer.did(action)

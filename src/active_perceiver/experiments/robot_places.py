@@ -1,0 +1,80 @@
+"""What `--robot KIND:NAME` means: a robot, and where it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from active_perceiver.errors import UserError
+from active_perceiver.robots import RecordedRobot, Robot
+from active_perceiver.robots.ai2thor import ThorRobot, ThorSettings, captured_settings, start_controller
+from active_perceiver.scenes import Action, Scene, open_scene
+
+ActionsIn = Callable[[str], tuple[Action, ...]]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A robot somewhere.
+
+    Attributes:
+        robot: what looks and acts; to be left as a context manager.
+        name: of the scene or room.
+        start: where it begins, in words.
+        scene: what is known of the room, for figures; None where nothing is.
+    """
+
+    robot: Robot
+    name: str
+    start: str
+    scene: Scene | None
+
+
+def robot_at(text: str, actions: ActionsIn, start: int | None = None, seed: int | None = None) -> Place:
+    """The robot that `--robot` names, at its start.
+
+    Args:
+        text: kind and name, see `KINDS`.
+        actions: those of the agent in the scene or room of a name; a robot not bound to its own does these.
+        start: number of a state; drawn if None.
+        seed: of that draw.
+
+    Raises:
+        UserError: if there is no such robot, or it cannot be started.
+    """
+    kind, _, name = text.partition(":")
+    if kind not in KINDS or not name:
+        raise UserError(
+            f"'{text}' is no robot this version can drive; give scene:NAME or scene:FILE, or, for AI2-THOR, "
+            "thor:FloorPlan1 or thor:FILE of a scene captured there"
+        )
+    return KINDS[kind](name, actions, start, seed)
+
+
+def _in_scene(name: str, actions: ActionsIn, start: int | None, seed: int | None) -> Place:
+    scene = open_scene(name)
+    robot = RecordedRobot(scene, start, seed)
+    return Place(robot, scene.name, f"state {robot.state}", scene)
+
+
+def _in_thor(name: str, actions: ActionsIn, start: int | None, seed: int | None) -> Place:
+    """A room by name, as rooms are captured if nothing is said; or as a captured scene's file says."""
+    captured = open_scene(name) if Path(name).suffix == ".h5" else None
+    room, settings = (name, ThorSettings()) if captured is None else captured_settings(captured)
+    called = room if captured is None else captured.name
+    controller = start_controller(room, settings)
+    try:
+        robot = ThorRobot(controller, settings, actions(called), start, seed)
+    except BaseException:
+        controller.stop()
+        raise
+    x, z, heading, tilt = robot.pose()
+    where = f"x {x:.2f} m, z {z:.2f} m, heading {heading:.0f}, tilt {tilt:.0f}"
+    return Place(robot, called, where, captured)
+
+
+KINDS: dict[str, Callable[[str, ActionsIn, int | None, int | None], Place]] = {
+    "scene": _in_scene,
+    "thor": _in_thor,
+}

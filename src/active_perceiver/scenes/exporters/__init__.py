@@ -1,0 +1,1 @@
+"""Scenes written for other software: labelling tools, and other projects."""

@@ -1,0 +1,1 @@
+"""Scenes of what was captured elsewhere: photographs, and the files of other projects."""

@@ -1,0 +1,115 @@
+"""Photographs and pictures of targets as files: upright, as squares."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import ExifTags, Image, UnidentifiedImageError
+
+from active_perceiver.scenes.images import ImageError, decode_image, encode_image, image_suffix, square_image
+
+IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".heic", ".heif")
+"""Files taken for images. Those that Pillow cannot read end in an error that says so, rather than being left out."""
+# Pictures of targets larger than that are made smaller; no backbone looks at more.
+_LARGEST_PICTURE = 640
+
+
+@dataclass(frozen=True)
+class Upright:
+    """Size of an image file with its EXIF rotation applied.
+
+    Attributes:
+        width: in pixels.
+        height: in pixels.
+        turned: whether the file's pixels lie otherwise.
+    """
+
+    width: int
+    height: int
+    turned: bool
+
+
+def upright(path: Path) -> Upright:
+    """Look at the head of an image file.
+
+    Raises:
+        ImageError: if it is not a readable image.
+    """
+    try:
+        with Image.open(path) as image:
+            orientation = image.getexif().get(ExifTags.Base.Orientation, 1)
+            width, height = image.size
+    except UnidentifiedImageError:
+        raise ImageError(f"{path} is not an image Pillow can read; save it as JPEG, PNG or WebP") from None
+    except (OSError, SyntaxError, ValueError, struct.error, Image.DecompressionBombError) as error:
+        raise ImageError(f"{path} is broken or truncated ({error}); save it again as JPEG or PNG") from None
+    if orientation in (5, 6, 7, 8):
+        width, height = height, width
+    return Upright(width, height, orientation in (2, 3, 4, 5, 6, 7, 8))
+
+
+def square_view(path: Path, photograph: Upright, size: int) -> bytes:
+    """A photograph as an encoded square of `size` pixels, padded in the middle; one that is that already is kept.
+
+    Raises:
+        ImageError: if it is not a readable image.
+    """
+    data = path.read_bytes()
+    image = decode_image(data, str(path), side=size)
+    if (photograph.width, photograph.height) == (size, size) and not photograph.turned and _storable(data):
+        return data
+    return encode_image(square_image(image, size))
+
+
+def boxes_in_square(boxes: NDArray[np.floating], width: int, height: int, size: int) -> NDArray[np.float32]:
+    """Boxes in a photograph as boxes in the square that `square_image` makes of it.
+
+    Args:
+        boxes: (..., 4) centre x, centre y, width, height as fractions of the photograph; NaN stays NaN.
+        width: of the photograph in pixels.
+        height: of the photograph in pixels.
+        size: side of the square in pixels.
+
+    Returns:
+        (..., 4) float32, the same as fractions of the square.
+    """
+    scale = size / max(width, height)
+    fitted = np.array([max(1, round(width * scale)), max(1, round(height * scale))])
+    centre = ((size - fitted) // 2 + boxes[..., :2] * fitted) / size
+    return np.concatenate([centre, boxes[..., 2:] * fitted / size], axis=-1).astype(np.float32)
+
+
+def read_target(paths: Sequence[Path]) -> tuple[bytes, ...]:
+    """Pictures of a target, encoded and not larger than needed; small ones are kept as they are.
+
+    Raises:
+        ImageError: if one is not a readable image.
+    """
+    return tuple(_picture(path) for path in paths)
+
+
+def _picture(path: Path) -> bytes:
+    seen, data = upright(path), path.read_bytes()
+    image = decode_image(data, str(path))
+    largest = max(seen.width, seen.height)
+    if largest > _LARGEST_PICTURE:
+        scale = _LARGEST_PICTURE / largest
+        size = max(1, round(seen.width * scale)), max(1, round(seen.height * scale))
+        image = np.asarray(Image.fromarray(image).resize(size, Image.Resampling.LANCZOS, reducing_gap=3.0))
+    elif not seen.turned and _storable(data):
+        return data
+    return encode_image(image)
+
+
+def _storable(data: bytes) -> bool:
+    """Whether a scene file can hold these bytes."""
+    try:
+        image_suffix(data)
+    except ImageError:
+        return False
+    return True

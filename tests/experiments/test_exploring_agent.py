@@ -1,0 +1,91 @@
+"""An agent whose policy leads in circles goes round the room; as the tables say, and not if it is told not to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from active_perceiver.experiments import own_word, own_word_tables
+from active_perceiver.experiments.evaluating import agent_sightings, as_asked
+from active_perceiver.experiments.settings import EvaluateSettings
+from active_perceiver.exploring import map_file
+from active_perceiver.perceiver import ActivePerceiver
+from active_perceiver.robots import RecordedRobot, search
+from active_perceiver.scenes import Action
+
+pytestmark = pytest.mark.xdist_group("agent")
+
+STARTS = (0, 50, 101, 150)
+
+
+class Turning:
+    """A policy that turns left for ever, as one might where a target has been taken away."""
+
+    def probabilities(self, views, targets, masks, branch):
+        shape = (*np.shape(masks)[:-1], len(Action))
+        certain = np.zeros(shape)
+        certain[..., list(Action).index(Action.ROTATE_LEFT)] = 1.0
+        return certain
+
+
+def turning(agent_folder, *, explore: bool) -> ActivePerceiver:
+    agent = ActivePerceiver.from_pretrained(agent_folder, explore=explore)
+    agent.policy = Turning()
+    return agent
+
+
+def states_of(record, scene):
+    return [int(np.abs(scene.poses - np.array(glimpse.pose)).sum(axis=1).argmin()) for glimpse in record.glimpses]
+
+
+def test_it_gets_out_and_finds_what_it_can_see(agent_folder, scene):
+    found = {}
+    for explore in (False, True):
+        agent = turning(agent_folder, explore=explore)
+        found[explore] = [
+            search(agent, RecordedRobot(scene, start), scene.targets[target].picture(0), max_steps=150, seed=0).found
+            for start in STARTS
+            for target in range(3)
+        ]
+    assert np.mean(found[True]) > np.mean(found[False]) + 0.3
+
+
+def test_the_tables_take_the_same_way(agent_folder, scene, monkeypatch):
+    agent = turning(agent_folder, explore=True)
+    (seen,) = [as_asked(agent, one) for one in agent_sightings(agent)]
+    turns = Turning().probabilities(None, None, np.zeros((len(scene), 3, 1)), "")
+    monkeypatch.setattr(own_word_tables, "policy_table", lambda *arguments: turns)
+    tables = own_word_tables.scene_tables(agent, seen, [0], EvaluateSettings())
+    same = []
+    for target in range(3):
+        for start in STARTS:
+            record = search(
+                agent, RecordedRobot(scene, start), scene.targets[target].picture(0), max_steps=own_word.LIMIT, seed=0
+            )
+            end = own_word.search_once(tables[target], start, 0, np.random.default_rng(0))
+            same.append((states_of(record, scene)[-1], record.actions, record.found) == end)
+    # Maps that were cached as float16 may tip a detection at the threshold.
+    assert np.mean(same) > 0.8
+
+
+def test_an_agent_without_a_map_follows_its_policy(agent_folder, scene, tmp_path):
+    agent = ActivePerceiver.from_pretrained(agent_folder)
+    assert agent.room(scene.name) is not None
+    agent.save_pretrained(tmp_path / "copy")
+    map_file(tmp_path / "copy", scene.name).unlink()
+    bare = ActivePerceiver.from_pretrained(tmp_path / "copy")
+    assert bare.room(scene.name) is None
+    bare.reset(scene.targets[0].picture(0), seed=0)
+    agent.reset(scene.targets[0].picture(0), seed=0)
+    np.testing.assert_array_equal(bare.act(scene.view(7)).probabilities, agent.act(scene.view(7)).probabilities)
+
+
+def test_it_says_what_it_is_going_to_do(agent_folder, scene):
+    """While it explores, one action has the probability 1."""
+    agent = turning(agent_folder, explore=True)
+    agent.reset(scene.targets[0].picture(0), seed=0)
+    for _ in range(2):
+        agent.act(scene.view(0))
+    step = agent.act(scene.view(0))
+    assert step.found or step.probabilities.max() == 1.0
+    assert step.found or step.action is agent.actions[int(step.probabilities.argmax())]
