@@ -49,6 +49,18 @@ def test_an_unknown_command_is_refused(capsys):
     assert stopped.value.code == 2
 
 
+def test_brackets_in_an_error_are_shown(capsys, monkeypatch):
+    from active_perceiver import cli
+    from active_perceiver.errors import UserError
+
+    def fail(self):
+        raise UserError("pip install 'active-perceiver[train]'")
+
+    monkeypatch.setattr(cli.Info, "run", fail)
+    assert main(["info"]) == 2
+    assert "active-perceiver[train]" in capsys.readouterr().err
+
+
 def test_info_is_json(capsys):
     assert main(["info"]) == 0
     facts = json.loads(capsys.readouterr().out)

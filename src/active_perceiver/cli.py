@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
+from rich.markup import escape
 from tyro.conf import Positional, subcommand
 
 from active_perceiver.cli_benchmarks import Benchmark
@@ -289,12 +290,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return command.run()
     except UserError as error:
-        console.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
+        # A message may hold brackets, as in 'active-perceiver[train]'; they are no markup.
+        console.print(f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
         return 2
     except KeyboardInterrupt:
         console.print(
-            "interrupted; what was there before is as it was. `demo`, `train`, `scenes render` and `elsewhere` "
-            "go on with --resume",
+            "interrupted; what was there before is as it was. `demo`, `train`, `scenes render`, `capture` "
+            "and `elsewhere` go on with --resume",
             soft_wrap=True,
         )
         return 130
