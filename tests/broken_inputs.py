@@ -1,8 +1,8 @@
 """Broken inputs put through the command line, each judged: a clear error or a sound scene, and nothing left behind.
 
-Run as a process, as `python tests/broken_inputs.py SOURCE SEED FIRST END`: damaged files can take a process with
-them, in C. A line of JSON comes before each input, and one with the verdict after it. `run_inputs` starts such
-processes and reads what they say.
+`run_inputs` runs this file as a process, with how many inputs of each source, a seed and the number of the first one:
+damaged files can take a process with them, in C. A line of JSON comes before each input, one with the verdict after
+it; after an input that ended the process, another one goes on.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import contextlib
 import faulthandler
 import io
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -34,7 +33,7 @@ from foreign import avd_scene, savn_scene, write_avd, write_savn, write_zhu, zhu
 from photographs import photograph_scene
 from toy import toy_scene
 
-LIMIT = 8
+LIMIT = 20
 """Seconds after which an input counts as one that hangs."""
 
 
@@ -109,7 +108,8 @@ def _write_zhu(folder: Path) -> None:
 
 
 def _write_savn(folder: Path) -> None:
-    write_savn(folder / "FloorPlan1_physics", savn_scene(side=2, image_size=32, headings=(0, 90, 180, 270)), boxes=True)
+    scene = savn_scene(side=2, image_size=32, headings=(0, 90, 180, 270))
+    write_savn(folder / "FloorPlan1_physics", scene, boxes=True)
 
 
 def _write_savn_without_boxes(folder: Path) -> None:
@@ -134,48 +134,59 @@ SOURCES = {
     "moves": Source(_write_photos_with_moves, _PHOTOS, ("photos/moves.csv", "photos/poses.csv")),
     "zhu": Source(_write_zhu, (*_IMPORT, "zhu", "{}/dump.h5"), ("dump.h5",)),
     "savn": Source(
-        _write_savn, _SAVN, tuple(f"*/{name}" for name in ("graph.json", "metadata.json", "metadata.json", "images.hdf5"))
+        _write_savn, _SAVN,
+        ("*/graph.json", "*/metadata.json", "*/metadata.json", "*/images.hdf5", "*/grid.json"),
     ),
     "savn_map": Source(_write_savn_without_boxes, _SAVN, ("*/visible_object_map.json",)),
-    "avd": Source(_write_avd, _AVD, ("*/annotations.json", "*/annotations.json", "instance_id_map.txt", "*/jpg_rgb/*")),
+    "avd": Source(
+        _write_avd, _AVD, ("*/annotations.json", "*/annotations.json", "instance_id_map.txt", "*/jpg_rgb/*")
+    ),
     "avd_poses": Source(_write_avd, _AVD, ("*/image_structs.mat",)),
 }  # fmt: skip
 
 
-def run_inputs(source: str, seed: int, count: int) -> list[Verdict]:
-    """Break a source's files in `count` ways; one verdict for each."""
+def run_inputs(counts: dict[str, int], seed: int) -> list[Verdict]:
+    """Break the files of each source in so many ways; one verdict for each."""
     verdicts: list[Verdict] = []
-    while len(verdicts) < count:
-        words = [sys.executable, __file__, source, str(seed), str(len(verdicts)), str(count)]
+    while len(verdicts) < sum(counts.values()):
+        words = [sys.executable, __file__, json.dumps(counts), str(seed), str(len(verdicts))]
         ran = subprocess.run(words, capture_output=True, text=True, check=False)
         lines = [json.loads(line) for line in ran.stdout.splitlines()]
+        assert lines, ran.stderr
         verdicts += [Verdict(**line) for line in lines if "problem" in line]
-        if len(verdicts) < count:  # the process died, or the input took too long
-            assert lines, ran.stderr
-            last = lines[-1]
+        if "problem" not in lines[-1]:  # the process died, or the input took too long
             problem = f"the process ended with {ran.returncode}: {ran.stderr[-3000:]}"
-            verdicts.append(Verdict(last["number"], last["done"], problem, "", np.nan))
+            verdicts.append(Verdict(**lines[-1], problem=problem, said="", seconds=np.nan))
     return verdicts
 
 
-def _inputs(source: Source, sound: Path, folder: Path, seed: int, first: int, end: int) -> Iterator[tuple[int, str, str]]:
-    """Number, broken file and what was done, for one input after the other, which is in the folder then."""
-    for number in range(first, end):
-        rng = np.random.default_rng([seed, number])
+def broken_folders(
+    counts: dict[str, int], seed: int, first: int, place: Path
+) -> Iterator[tuple[Source, Path, str, str]]:
+    """For one input after the other its source, a folder with it, the broken file in there, and what was done."""
+    sound, folder, written = place / "sound", place / "in", ""
+    for source, number in [(name, number) for name, count in counts.items() for number in range(count)][first:]:
+        if source != written:
+            shutil.rmtree(sound, ignore_errors=True)
+            sound.mkdir()
+            SOURCES[source].write(sound)
+            written = source
+        rng = np.random.default_rng([seed, *source.encode(), number])
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(sound, folder)
-        found = sorted(folder.glob(source.files[number % len(source.files)]))
+        patterns = SOURCES[source].files
+        found = sorted(folder.glob(patterns[number % len(patterns)]))
         path = found[int(rng.integers(len(found)))]
         done, data = broken(path.read_bytes(), path.suffix, rng)
         path.write_bytes(data)
-        yield number, str(path.relative_to(folder)), done
+        yield SOURCES[source], folder, str(path.relative_to(folder)), done
 
 
 def _files(folder: Path) -> dict[str, int]:
     return {str(path.relative_to(folder)): path.stat().st_size for path in folder.rglob("*") if path.is_file()}
 
 
-def _judged(source: Source, folder: Path, out: Path, path: str) -> tuple[str, str]:
+def judged(source: Source, folder: Path, out: Path, path: str) -> tuple[str, str]:
     """Run the command; what is wrong with what came of it, and what it said."""
     from active_perceiver.cli import main
 
@@ -212,35 +223,29 @@ def _judged(source: Source, folder: Path, out: Path, path: str) -> tuple[str, st
         return f"exit code {code}, it said {lines}", ""
     if left:
         return f"an error, but {left} is left", ""
-    if Path(path).name not in lines[0] and str(folder) not in lines[0]:
+    if Path(path).name not in lines[0] and str(folder) not in lines[0] and "of scene 'toy_0'" not in lines[0]:
         return f"no file is named: {lines[0]}", ""
     if len(lines[0]) > 700:
         return f"the error is too long: {lines[0][:1000]}", ""
     return "", lines[0].replace(str(folder), "").removeprefix("error: ")
 
 
-def _main(name: str, seed: int, first: int, end: int) -> None:
-    source = SOURCES[name]
-    # Names that the programme writes: whatever the input names must not get out of the folder of the output.
-    with tempfile.TemporaryDirectory() as place:
-        sound, folder = Path(place) / "sound", Path(place) / "in"
-        sound.mkdir()
-        source.write(sound)
-        for number, path, done in _inputs(source, sound, folder, seed, first, end):
-            out = Path(place) / "out"
-            shutil.rmtree(out, ignore_errors=True)
-            out.mkdir()
+def _main(counts: dict[str, int], seed: int, first: int) -> None:
+    with tempfile.TemporaryDirectory() as name:
+        place = Path(name)
+        for number, (source, folder, path, done) in enumerate(broken_folders(counts, seed, first, place), first):
+            shutil.rmtree(place / "out", ignore_errors=True)
+            (place / "out").mkdir()
             about = {"number": number, "done": f"{path} {done}"}
             print(json.dumps(about), flush=True)
             faulthandler.dump_traceback_later(LIMIT, exit=True)
             start = time.perf_counter()
-            problem, said = _judged(source, folder, out, path)
-            faulthandler.cancel_dump_traceback_later()
+            problem, said = judged(source, folder, place / "out", path)
             seconds = time.perf_counter() - start
+            faulthandler.cancel_dump_traceback_later()
             print(json.dumps({**about, "problem": problem, "said": said, "seconds": seconds}), flush=True)
 
 
 if __name__ == "__main__":
-    os.environ["OMP_NUM_THREADS"] = "1"
     faulthandler.enable()
-    _main(sys.argv[1], *map(int, sys.argv[2:]))
+    _main(json.loads(sys.argv[1]), *map(int, sys.argv[2:]))

@@ -36,7 +36,7 @@ ALLOWED = {
     "labelling": {"scenes"},
     "cli_label": {"experiments", "labelling", "scenes"},
     "capturing": {"robots", "rooms", "scenes"},
-    "cli_capture": {"capturing", "robots"},
+    "cli_capture": {"capturing", "cli_help", "robots", "rooms"},
     "cli_scenes": {"cli_capture", "cli_help", "cli_import", "cli_label", "experiments", "rooms", "scenes"},
     "cli_benchmarks": {"cli_scenes", "experiments", "rooms"},
     "cli": {"cli_benchmarks", "cli_scenes", "experiments", "rooms", "scenes", "vision"},

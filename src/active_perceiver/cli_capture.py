@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from tyro.conf import OmitArgPrefixes, Positional
+from tyro.conf import Positional, subcommand
 
+from active_perceiver.cli_help import help_text
 from active_perceiver.errors import UserError
 
 
@@ -74,12 +75,87 @@ class CaptureThor:
 
 
 @dataclass
-class ScenesCapture:
-    """Make a scene of a room that something else draws."""
+class CaptureRoom:
+    """Photographs of a generated 3D room."""
 
-    what: Positional[Literal["thor"]]
-    """By what: thor is AI2-THOR (needs the `thor` extra)."""
-    thor: OmitArgPrefixes[CaptureThor]
+    layout: Positional[str]
+    """Kind of room: kitchen, living_room or conference_room."""
+    out: Path
+    """The folder of photographs to write."""
+    seed: int = 1
+    """The room and all mistakes follow from it: the same seed gives the same photographs."""
+    places: int | None = None
+    """How many marks are on the floor, around the middle of the room; the layout's own number if not given."""
+    targets: tuple[str, ...] = ()
+    """Names of the objects that are marked and photographed alone; all in the room if not given."""
+    width: int = 400
+    """Width of the photographs in pixels; they are three quarters as high."""
+    jitter_cm: float = 5.0
+    """Each photograph is taken up to so many centimetres beside its mark, in x and in z."""
+    jitter_degrees: float = 4.0
+    """Each is taken up to so many degrees away from the intended heading and tilt."""
+    error_cm: float = 2.0
+    """Places are written down with an error of up to so many centimetres, in x and in z."""
+    error_degrees: float = 2.0
+    """Headings and tilts are written down with an error of up to so many degrees."""
+    noise: float = 4.0
+    """Standard deviation of the camera's noise where it is white, in grey levels of 255."""
+    workers: int | None = None
+    """Processes; all cores if not given."""
+    force: bool = False
+    """Replace an earlier folder of photographs, and begin anew where the work was interrupted."""
+    resume: bool = False
+    """Go on where the work was interrupted."""
 
     def run(self) -> int:
-        return self.thor.run()
+        from active_perceiver.rooms.capturing.photographs import PhotographSettings, take_photographs
+
+        photographer = PhotographSettings(
+            width=self.width, jitter_cm=self.jitter_cm, jitter_degrees=self.jitter_degrees, error_cm=self.error_cm,
+            error_degrees=self.error_degrees, noise=self.noise, targets=self.targets,
+        )  # fmt: skip
+        count = take_photographs(
+            self.layout, self.seed, self.out, photographer, places=self.places, force=self.force, resume=self.resume,
+            workers=self.workers,
+        )  # fmt: skip
+        print(f"folder: {self.out}, {count} photographs\nto a scene: see docs/your-own-room.md")
+        return 0
+
+
+CaptureCommand = (
+    Annotated[
+        CaptureThor,
+        subcommand(
+            "thor",
+            description=help_text(
+                "Make a scene of a room of AI2-THOR (needs the `thor` extra and its simulator, see docs/ai2thor.md): "
+                "the agent looks from every pose it can reach; what is finished survives an interruption.",
+                "scenes capture thor FloorPlan1 --targets Mug Bread",
+                "scenes capture thor FloorPlan1 --tilts -30 0 30 --out kitchen.h5 --resume",
+                "scenes capture thor --scenes kitchens --targets Mug Bread --out thor_kitchens --resume",
+            ),
+        ),
+    ]
+    | Annotated[
+        CaptureRoom,
+        subcommand(
+            "room",
+            description=help_text(
+                "Take photographs of a generated room as a person would (needs the `rooms` extra), imprecise and "
+                "noisy, to try `scenes import photos` without a camera; what is finished survives an interruption.",
+                "scenes capture room conference_room --seed 4 --targets mug bag --out photos",
+                "scenes capture room kitchen --places 20 --jitter-cm 8 --noise 8 --out photos",
+            ),
+        ),
+    ]
+)
+
+
+@dataclass
+class ScenesCapture:
+    """Make a scene of a room of AI2-THOR, or photographs of a generated room."""
+
+    command: CaptureCommand
+
+    def run(self) -> int:
+        return self.command.run()

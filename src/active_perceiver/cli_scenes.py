@@ -299,13 +299,7 @@ ScenesCommand = (
         ScenesCapture,
         subcommand(
             "capture",
-            description=help_text(
-                "Make a scene of a room of AI2-THOR (needs the `thor` extra and its simulator, see docs/ai2thor.md): "
-                "the agent looks from every pose it can reach; what is finished survives an interruption.",
-                "scenes capture thor FloorPlan1 --targets Mug Bread",
-                "scenes capture thor FloorPlan1 --tilts -30 0 30 --out kitchen.h5 --resume",
-                "scenes capture thor --scenes kitchens --targets Mug Bread --out thor_kitchens --resume",
-            ),
+            description="Make a scene of a room of AI2-THOR, or photographs of a generated room (own --help each).",
         ),
     ]
     | Annotated[

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from active_perceiver.scenes.images import image_suffix
+from active_perceiver.scenes.images import ImageError, image_suffix
 from active_perceiver.scenes.scene import LABELLED, UNLABELLED, Scene, SceneError
 
 
@@ -52,5 +52,15 @@ def labelled_views(scene: Scene) -> np.ndarray:
 
 
 def view_file_names(scene: Scene) -> tuple[str, ...]:
-    """The name of each view's image file in a folder made by `scenes export coco`."""
-    return tuple(f"view_{state:05d}.{image_suffix(view)}" for state, view in enumerate(scene.views))
+    """The name of each view's image file in a folder made by `scenes export coco`.
+
+    Raises:
+        SceneError: if a view is no image that such a folder can hold.
+    """
+    names = []
+    for state, view in enumerate(scene.views):
+        try:
+            names.append(f"view_{state:05d}.{image_suffix(view)}")
+        except ImageError as error:
+            raise SceneError(f"view {state} of scene '{scene.name}': {error}") from None
+    return tuple(names)

@@ -26,6 +26,12 @@ class SceneError(UserError, ValueError):
     """A scene that is not sound; the message says what is wrong and what to do."""
 
 
+def _check_text(text: str, what: str) -> None:
+    """Refuse what cannot be written into a file, or would spoil what is printed."""
+    if len(text) > 1000 or any(ord(sign) < 32 or 0xD800 <= ord(sign) < 0xE000 for sign in text):
+        raise SceneError(f"the {what} is too long or holds characters that are no text: {text!r:.80}")
+
+
 @dataclass(frozen=True)
 class Target:
     """An object that can be searched.
@@ -44,8 +50,10 @@ class Target:
     held_out: int = 0
 
     def __post_init__(self) -> None:
-        if not self.name or "/" in self.name:
-            raise SceneError(f"a target's name must not be empty or hold a slash: {self.name!r}")
+        if self.name in ("", ".", "..") or "/" in self.name:
+            raise SceneError(f"a target's name must not be empty, a dot or two, or hold a slash: {self.name!r:.80}")
+        _check_text(self.name, "name of a target")
+        _check_text(self.category, f"category of target '{self.name}'")
         if not self.pictures:
             raise SceneError(f"target '{self.name}' has no picture; a target is searched from its picture")
         if not 0 <= self.held_out < len(self.pictures):
@@ -113,11 +121,20 @@ class Scene:
     labels: NDArray[np.uint8] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
+        _check_text(self.name, "name of a scene")
+        _check_text(self.source, f"source of scene '{self.name}'")
         states, names = len(self.views), self.target_names
         if states == 0:
             raise SceneError(f"scene '{self.name}' has no views")
         if len(set(names)) != len(names):
             raise SceneError(f"scene '{self.name}' names a target twice: {sorted(names)}")
+        if not 1 <= self.image_size <= 10_000 or not 0 < self.fov < 360:
+            raise SceneError(
+                f"scene '{self.name}' has image_size {self.image_size} and fov {self.fov}; they must be 1 to 10000 "
+                "pixels and more than 0 and less than 360 degrees"
+            )
+        if not self.actions or len(set(self.actions)) != len(self.actions):
+            raise SceneError(f"scene '{self.name}' has no action, or one twice")
         shapes = {
             "poses": (self.poses, (states, 4)),
             "transitions": (self.transitions, (states, len(self.actions))),
@@ -152,6 +169,8 @@ class Scene:
         missing = np.isnan(self.boxes)
         if (missing.any(-1) != missing.all(-1)).any():
             raise SceneError(f"scene '{self.name}': a box is either all NaN (not visible) or no NaN at all")
+        if np.isinf(self.boxes).any():
+            raise SceneError(f"scene '{self.name}': some boxes are infinite")
         boxes = self.boxes[~missing.any(-1)]
         low, high = boxes[:, :2] - boxes[:, 2:] / 2, boxes[:, :2] + boxes[:, 2:] / 2
         if (low < -BOX_TOLERANCE).any() or (high > 1 + BOX_TOLERANCE).any() or (boxes[:, 2:] <= 0).any():

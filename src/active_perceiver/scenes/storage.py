@@ -13,11 +13,14 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from active_perceiver.files import replacing
+from active_perceiver.scenes.hdf5 import check_heaps, check_stored
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import FloorPlan, Scene, SceneError, Target
 
@@ -74,70 +77,97 @@ def load_scene(path: Path | str) -> Scene:
         raise SceneError(f"there is no scene file {path}; see `active-perceiver scenes list` for bundled scenes")
     try:
         with h5py.File(path, "r") as file:
-            return _read(file, path)
+            check_heaps(path)
+            return _read(file)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
-    except (OSError, RuntimeError) as error:
+    # What h5py raises where a file is damaged depends on the place of the damage.
+    except (OSError, RuntimeError, MemoryError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise SceneError(
             f"{path} is not a readable HDF5 file ({reason}); it may be truncated, copy it again"
         ) from None
-    except (KeyError, ValueError, TypeError) as error:
-        raise SceneError(f"{path} is damaged or not a scene of version {VERSION}: {error}") from None
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        reason = " ".join(str(error).split())
+        raise SceneError(f"{path} is damaged or not a scene of version {VERSION}: {reason:.200}") from None
 
 
-def _read(file: h5py.File, path: Path) -> Scene:
-    if file.attrs.get("format") != FORMAT:
-        raise SceneError(f"not a scene file (its format is {file.attrs.get('format')!r}, not {FORMAT!r})")
-    version = int(file.attrs["version"])
+def _read(file: h5py.File) -> Scene:
+    if _attribute(file, "format", str) != FORMAT:
+        raise SceneError(f"not a scene file (its format is {file.attrs['format']!r:.40}, not {FORMAT!r})")
+    version = _attribute(file, "version", int)
     if version != VERSION:
         raise SceneError(f"has scene format version {version}; this software reads version {VERSION}: update it")
     groups = file.get("targets", {})
-    names = sorted(groups, key=lambda name: int(groups[name].attrs["index"]))
+    names = sorted(groups, key=lambda name: _attribute(groups[name], "index", int))
     return Scene(
-        name=str(file.attrs["name"]),
-        actions=_actions(str(file.attrs["actions"])),
-        views=_read_blobs(file["views"]),
-        poses=file["poses"][()].astype(np.float32),
-        transitions=_as_states(file["transitions"][()]),
-        boxes=file["boxes"][()].astype(np.float32),
+        name=_attribute(file, "name", str),
+        actions=_actions(_attribute(file, "actions", str)),
+        views=_read_blobs(file, "views"),
+        poses=_floats(file, "poses"),
+        transitions=_whole_numbers(file, "transitions", np.int32),
+        boxes=_floats(file, "boxes"),
         targets=tuple(_read_target(name, groups[name]) for name in names),
-        image_size=int(file.attrs["image_size"]),
-        fov=float(file.attrs["fov"]),
-        source=str(file.attrs["source"]),
+        image_size=_attribute(file, "image_size", int),
+        fov=float(_attribute(file, "fov", (int, float))),
+        source=_attribute(file, "source", str),
         floor_plan=_read_floor_plan(file),
-        labels=_read_labels(file),
+        labels=_whole_numbers(file, "labels", np.uint8) if "labels" in file else None,
     )
 
 
-def _read_labels(file: h5py.File) -> np.ndarray | None:
-    if "labels" not in file:
-        return None
-    labels = file["labels"][()]
-    if not np.issubdtype(labels.dtype, np.integer):
-        raise SceneError(f"labels are {labels.dtype}, expected whole numbers")
-    return labels.astype(np.uint8)
+def _attribute(holder: h5py.HLObject, name: str, kind: type | tuple[type, ...]) -> Any:
+    value = holder.attrs[name]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if not isinstance(value, kind):
+        where = str(holder.name).strip("/") or "the file"
+        expected = {str: "a text", int: "a whole number"}.get(kind if isinstance(kind, type) else float, "a number")
+        raise SceneError(f"attribute '{name}' of {where} is {' '.join(repr(value).split()):.60}, expected {expected}")
+    return value
+
+
+def _array(group: h5py.Group, name: str) -> h5py.Dataset:
+    """A dataset of numbers that can be read."""
+    found = group[name]
+    if not isinstance(found, h5py.Dataset) or found.shape is None or found.dtype.kind not in "iufO":
+        raise SceneError(f"'{name}' is not a dataset of numbers")
+    check_stored(found)
+    return found
+
+
+def _floats(group: h5py.Group, name: str) -> NDArray[np.float32]:
+    found = _array(group, name)
+    if found.dtype.kind == "O":
+        raise SceneError(f"{name} are {found.dtype}, expected numbers")
+    with np.errstate(over="ignore"):  # what is too large becomes infinite, and is refused
+        return np.asarray(found[()]).astype(np.float32)
+
+
+def _whole_numbers(group: h5py.Group, name: str, kind: type[np.integer]) -> NDArray[Any]:
+    found = _array(group, name)
+    if found.dtype.kind not in "iu":
+        raise SceneError(f"{name} are {found.dtype}, expected whole numbers")
+    numbers = np.asarray(found[()])
+    converted = numbers.astype(kind)
+    if (converted != numbers).any():
+        raise SceneError(f"some of the {name} are too large or negative")
+    return converted
 
 
 def _read_target(name: str, group: h5py.Group) -> Target:
-    held_out = group.attrs.get("held_out", 0)
-    if not isinstance(held_out, (int, np.integer)):
-        raise SceneError(f"target '{name}' holds out {held_out!r} pictures, expected a whole number")
-    return Target(name, _read_blobs(group["pictures"]), str(group.attrs["category"]), int(held_out))
+    held_out = _attribute(group, "held_out", int) if "held_out" in group.attrs else 0
+    return Target(name, _read_blobs(group, "pictures"), _attribute(group, "category", str), held_out)
 
 
 def _actions(text: str) -> tuple[Action, ...]:
     known = {action.value: action for action in Action}
     names = json.loads(text)
+    if not isinstance(names, list) or not names:
+        raise SceneError(f"actions are {text:.60}, expected a list of names")
     if unknown := [name for name in names if name not in known]:
-        raise SceneError(f"unknown actions {unknown}; known are {sorted(known)}")
+        raise SceneError(f"unknown actions {unknown!s:.80}; known are {sorted(known)}")
     return tuple(known[name] for name in names)
-
-
-def _as_states(array: np.ndarray) -> np.ndarray:
-    if not np.issubdtype(array.dtype, np.integer):
-        raise SceneError(f"transitions are {array.dtype}, expected whole numbers")
-    return array.astype(np.int32)
 
 
 def _read_floor_plan(file: h5py.File) -> FloorPlan | None:
@@ -146,11 +176,19 @@ def _read_floor_plan(file: h5py.File) -> FloorPlan | None:
     group = file["floor_plan"]
     obstacles = group.get("obstacles", {})
     return FloorPlan(
-        outline=group["outline"][()],
+        outline=_polygon(group, "outline"),
         obstacles=tuple(
-            (str(obstacles[key].attrs["label"]), obstacles[key][()]) for key in sorted(obstacles, key=int)
+            (_attribute(obstacles[key], "label", str), _polygon(obstacles, key)) for key in sorted(obstacles, key=int)
         ),
     )
+
+
+def _polygon(group: h5py.Group, name: str) -> NDArray[np.float64]:
+    found = _array(group, name)
+    points: NDArray[Any] = np.asarray(found[()])
+    if points.dtype.kind == "O" or points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
+        raise SceneError(f"floor_plan: '{name}' has shape {points.shape}, expected rows of two finite numbers")
+    return points
 
 
 def _write_blobs(group: h5py.Group, name: str, blobs: Sequence[bytes]) -> None:
@@ -159,5 +197,8 @@ def _write_blobs(group: h5py.Group, name: str, blobs: Sequence[bytes]) -> None:
         dataset[index] = np.frombuffer(blob, np.uint8)
 
 
-def _read_blobs(dataset: h5py.Dataset) -> tuple[bytes, ...]:
-    return tuple(blob.tobytes() for blob in dataset[()])
+def _read_blobs(group: h5py.Group, name: str) -> tuple[bytes, ...]:
+    found = _array(group, name)
+    if h5py.check_vlen_dtype(found.dtype) != np.uint8 or found.ndim != 1:
+        raise SceneError(f"'{name}' is {found.dtype} of shape {found.shape}, expected a list of encoded images")
+    return tuple(blob.tobytes() for blob in found[()])

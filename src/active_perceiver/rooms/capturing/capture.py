@@ -37,8 +37,15 @@ Stage = Callable[[str], AbstractContextManager[Report]]
 
 
 @dataclass(eq=False)
-class _Studio:
-    """What a process needs for every picture; it reads the light from the store when it takes its first view."""
+class Studio:
+    """What a process needs for every picture; it reads the light from the store when it takes its first view.
+
+    Attributes:
+        room: what is photographed.
+        settings: how.
+        seed: of the light's randomness, the camera's faults and the target pictures.
+        store: where finished work is kept.
+    """
 
     room: Room
     settings: CaptureSettings
@@ -47,6 +54,7 @@ class _Studio:
 
     @cached_property
     def baked(self) -> BakedRoom:
+        """The room with the light that an earlier stage has baked."""
         return lit_room(self.room, compile_room(self.room), self.store.loaded(LIGHT))
 
 
@@ -82,7 +90,7 @@ def capture(
         WorkerError: if a rendering process was killed.
     """
     settings = settings or CaptureSettings()
-    _check_targets(room)
+    check_targets(room)
     if store is None:
         with TemporaryDirectory(prefix="active-perceiver-") as folder:
             own = CaptureStore(Path(folder))
@@ -92,26 +100,9 @@ def capture(
     transitions = lattice_transitions(poses, settings.actions, settings.spacing)
     polygons = [polygon for _, polygon in room.obstacles]
     transitions = without_collisions(poses, transitions, polygons, settings.robot_radius)
-    studio = _Studio(room, settings, seed, store)
-    with progress("light") as report:
-        if store.load(LIGHT) is None:
-            store.save(LIGHT, **light_arrays(bake(room, settings.bake_rays, settings.bounces, seed, report)))
-    views = [f"view-{state:05}" for state in range(len(poses))]
-    with progress("views") as report:
-        do_missing(_photograph, studio, store, views, poses.tolist(), workers, report)
-    alone = [(name, setup) for name in room.targets for setup in range(SETUPS)]
-    pictures = [f"target-{number // SETUPS:03}-{number % SETUPS}" for number in range(len(alone))]
-    with progress("target pictures") as report:
-        do_missing(_photograph_alone, studio, store, pictures, alone, workers, report)
-    targets = []
-    for row, (name, category) in enumerate(room.targets.items()):
-        of_target = [
-            blob.tobytes()
-            for key in pictures[row * SETUPS : (row + 1) * SETUPS]
-            for _, blob in sorted(store.loaded(key).items())
-        ]
-        targets.append(Target(name, tuple(of_target), category, HELD_OUT))
-    seen = [store.loaded(key) for key in views]
+    studio = Studio(room, settings, seed, store)
+    seen = take_views(photograph_view, studio, poses.tolist(), workers, progress)
+    targets = take_targets(studio, tuple(room.targets), workers, progress)
     return Scene(
         name=room.name,
         actions=settings.actions,
@@ -119,12 +110,60 @@ def capture(
         poses=poses,
         transitions=transitions,
         boxes=np.stack([view["boxes"] for view in seen]),
-        targets=tuple(targets),
+        targets=targets,
         image_size=settings.image_size,
         fov=settings.fov,
         source=f"active-perceiver room {room.name}, rendered with Embree",
         floor_plan=_floor_plan(room),
     )
+
+
+def take_views(
+    work: Callable[[Studio, tuple[str, Any]], None],
+    studio: Studio,
+    jobs: Sequence[Any],
+    workers: int | None,
+    progress: Stage,
+) -> list[dict[str, NDArray[Any]]]:
+    """Bake a room's light and take views, as far as the store does not hold them.
+
+    Args:
+        work: takes a view and keeps it in the store, given the studio, its key and its job.
+        studio: the room and how it is photographed.
+        jobs: what differs between the views, as their poses.
+        workers: processes; None for one a core.
+        progress: opens a progress bar for each of the two stages.
+
+    Returns:
+        What `work` kept of each.
+    """
+    store, settings = studio.store, studio.settings
+    with progress("light") as report:
+        if store.load(LIGHT) is None:
+            light = bake(studio.room, settings.bake_rays, settings.bounces, studio.seed, report)
+            store.save(LIGHT, **light_arrays(light))
+    keys = [f"view-{state:05}" for state in range(len(jobs))]
+    with progress("views") as report:
+        do_missing(work, studio, store, keys, jobs, workers, report)
+    return [store.loaded(key) for key in keys]
+
+
+def take_targets(studio: Studio, names: Sequence[str], workers: int | None, progress: Stage) -> tuple[Target, ...]:
+    """Photograph some of a room's targets alone, as far as the store does not hold the pictures."""
+    store = studio.store
+    alone = [(name, setup) for name in names for setup in range(SETUPS)]
+    keys = [f"target-{number // SETUPS:03}-{number % SETUPS}" for number in range(len(alone))]
+    with progress("target pictures") as report:
+        do_missing(_photograph_alone, studio, store, keys, alone, workers, report)
+    targets = []
+    for row, name in enumerate(names):
+        of_target = [
+            blob.tobytes()
+            for key in keys[row * SETUPS : (row + 1) * SETUPS]
+            for _, blob in sorted(store.loaded(key).items())
+        ]
+        targets.append(Target(name, tuple(of_target), studio.room.targets[name], HELD_OUT))
+    return tuple(targets)
 
 
 def _floor_plan(room: Room) -> FloorPlan:
@@ -162,7 +201,12 @@ def boxes_from_mask(mask: NDArray[np.int32], objects: Sequence[int]) -> NDArray[
     return boxes
 
 
-def _check_targets(room: Room) -> None:
+def check_targets(room: Room) -> None:
+    """Make sure that a room holds its targets.
+
+    Raises:
+        TargetError: if it does not, or lists none.
+    """
     known = {part.object_name for part in room.parts}
     if missing := sorted(set(room.targets) - known):
         raise TargetError(f"room '{room.name}' has no objects {missing}; correct its list of targets")
@@ -173,6 +217,19 @@ def _check_targets(room: Room) -> None:
 def photograph(
     baked: BakedRoom, settings: CaptureSettings, pose: Sequence[float], targets: Sequence[str], seed: int
 ) -> dict[str, NDArray[Any]]:
+    """What the robot's camera sees, to be kept: "image", encoded, and "boxes"; see `look`."""
+    image, boxes = look(baked, settings, pose, targets, seed)
+    return {"image": np.frombuffer(encode_image(image, quality=settings.webp_quality), np.uint8), "boxes": boxes}
+
+
+def look(
+    baked: BakedRoom,
+    settings: CaptureSettings,
+    pose: Sequence[float],
+    targets: Sequence[str],
+    seed: int,
+    height: int | None = None,
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """What the robot's camera sees.
 
     Args:
@@ -181,30 +238,32 @@ def photograph(
         pose: x, y in metres, heading and tilt in degrees.
         targets: names of those whose boxes are wanted; a room need not hold them all.
         seed: of the camera's faults.
+        height: of the picture in pixels, which is cut out of the square one's middle; None for the square one.
 
     Returns:
-        "image", the encoded view as uint8, and "boxes" (T, 4), see `boxes_from_mask`.
+        The view (H, W, 3) uint8, and the boxes (T, 4), see `boxes_from_mask`.
     """
     x, y, heading, tilt = pose
     position = (x, y, settings.camera_height)
     rendering = render(baked, position, heading, tilt, settings.image_size, settings.fov, settings.samples)
-    image = rendering.image
+    height = height or settings.image_size
+    top = (settings.image_size - height) // 2
+    image, mask = rendering.image[top : top + height], rendering.mask[top : top + height]
     if settings.faults is not None:
         image = with_faults(image, settings.faults, view_rng(seed, pose))
     # A name that no object of the room has is found nowhere in the mask.
     absent = len(baked.object_names)
     objects = [baked.object_names.index(name) if name in baked.room.targets else absent for name in targets]
-    blob = encode_image(image, quality=settings.webp_quality)
-    return {"image": np.frombuffer(blob, np.uint8), "boxes": boxes_from_mask(rendering.mask, objects)}
+    return image, boxes_from_mask(mask, objects)
 
 
-def _photograph(studio: _Studio, job: tuple[str, Sequence[float]]) -> None:
+def photograph_view(studio: Studio, job: tuple[str, Sequence[float]]) -> None:
     """One view and its boxes."""
     key, pose = job
     studio.store.save(key, **photograph(studio.baked, studio.settings, pose, tuple(studio.room.targets), studio.seed))
 
 
-def _photograph_alone(studio: _Studio, job: tuple[str, tuple[str, int]]) -> None:
+def _photograph_alone(studio: Studio, job: tuple[str, tuple[str, int]]) -> None:
     """The pictures of one target in one setup, encoded."""
     key, (target, setup) = job
     settings = studio.settings

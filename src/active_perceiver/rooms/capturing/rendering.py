@@ -123,7 +123,7 @@ def render_scene(
     timing = Timing(workers if workers is not None else (os.cpu_count() or 1))
     with timing.stage("room"):
         room = make_room(layout, seed, hour=hour, moved=moved)
-    noted = _noted(layout, seed, settings, room)
+    noted = noted_origin(layout, seed, settings, room)
     store = CaptureStore.begin(out.with_name(f"{out.name}.part"), noted, force=force, resume=resume)
     scene = capture(room, settings, seed=seed, workers=workers, progress=timing.timed(progress), store=store)
     with timing.stage("file"):
@@ -209,7 +209,7 @@ def check_output(out: Path, *, force: bool) -> None:
         raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
 
 
-def _noted(layout: str, seed: int, settings: CaptureSettings, room: Room) -> dict[str, Any]:
+def noted_origin(layout: str, seed: int, settings: CaptureSettings, room: Room) -> dict[str, Any]:
     """What every picture follows from. The room's fingerprint tells a change of the code that makes rooms."""
     return {
         "version": __version__,

@@ -181,8 +181,8 @@ def _instances(folder: Path, notes: list[str]) -> dict[int, str]:
         parts = line.split()
         if not parts:
             continue
-        if len(parts) != 2 or not (parts[1].isascii() and parts[1].isdigit()):
-            raise SceneError(f"{path}, line {number}: expected '<name> <id>', got '{line:.60}'")
+        if len(parts) != 2 or not (parts[1].isascii() and parts[1].isdigit() and len(parts[1]) < 10):
+            raise SceneError(f"{path}, line {number}: expected '<name> <id>', got {line[:60]!r}")
         names[int(parts[1])] = parts[0].replace("/", "_")
     if len(set(names.values())) != len(names):
         raise SceneError(f"{path} gives two instances the same name")

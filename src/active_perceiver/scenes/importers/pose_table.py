@@ -20,6 +20,8 @@ from active_perceiver.scenes.scene import SceneError
 
 POSE_COLUMNS = ("file", "x", "z", "heading", "tilt")
 MOVE_COLUMNS = ("file", "action", "next_file")
+_LONGEST = 255
+"""Characters of a name or number; no file system allows longer names."""
 # Anything farther is a typing mistake; and it keeps arithmetic on a damaged table within bounds.
 _LIMITS = {"x": 10_000.0, "z": 10_000.0, "heading": 3600.0, "tilt": 90.0}
 
@@ -149,6 +151,7 @@ def _rows(path: Path, columns: Sequence[str], optional: Sequence[str] = ()) -> I
                         "holds a comma must be in quotes"
                     )
                 row = {name: cell.strip() for name, cell in zip(head, cells, strict=True)}
+                _check_cells(path, table.line_num, row)
                 if not row["file"]:
                     raise SceneError(f"{path}, line {table.line_num}: file is empty; name a photograph")
                 if european:
@@ -162,6 +165,16 @@ def _rows(path: Path, columns: Sequence[str], optional: Sequence[str] = ()) -> I
         raise SceneError(f"{path} is not text in UTF-8; save it as CSV (UTF-8)") from None
     except csv.Error as error:
         raise SceneError(f"{path} is not a sound table ({error}); save it as CSV anew") from None
+
+
+def _check_cells(path: Path, line: int, row: dict[str, str]) -> None:
+    """Refuse what no name and no number holds, and what would spoil the line of an error."""
+    for column, text in row.items():
+        if len(text) > _LONGEST or any(ord(sign) < 32 for sign in text):
+            raise SceneError(
+                f"{path}, line {line}: {column[:40]!r} is {text[:40]!r}, which is too long or holds a line break or "
+                "another control character; correct it, or save the table as CSV (UTF-8) anew"
+            )
 
 
 def _number(path: Path, line: int, column: str, text: str) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
+from active_perceiver.scenes.hdf5 import check_stored
 from active_perceiver.scenes.images import MAX_PIXELS, encode_image, square_image
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import Scene, SceneError
@@ -141,6 +142,7 @@ def dataset(file: h5py.File, name: str, shape: Sequence[int | None], kinds: str,
     if found.dtype.kind not in kinds:
         expected = "whole numbers" if set(kinds) <= {"i", "u"} else "numbers"
         raise SceneError(f"{path}: '{name}' is of type {found.dtype}, expected {expected}")
+    check_stored(found, f"{path}: ")
     return found
 
 
