@@ -303,8 +303,11 @@ class ThorRobot:
         """Where it stands and looks."""
         return event_pose(self._event)
 
-    def do(self, action: Action) -> None:
+    def do(self, action: Action) -> bool:
         """Carry out one action. What the simulator refuses, and a look beyond the outermost tilt, changes nothing.
+
+        Returns:
+            Whether the simulator carried it out.
 
         Raises:
             ThorError: if the robot may not do this, or the simulator crashed.
@@ -321,9 +324,10 @@ class ThorRobot:
             tilts = np.array(self.settings.tilts)
             beyond = tilts[(tilts - tilt) * LOOK[action] > DEGREES_OFF]
             if not len(beyond):
-                return
+                return False
             arguments = {"degrees": float(np.abs(beyond - tilt).min())}
         self._event = thor_step(self.controller, action.value, **arguments)
+        return succeeded(self._event)
 
     def stop(self) -> None:
         """Nothing moves between two actions."""

@@ -47,8 +47,11 @@ class RecordedRobot:
         """The view of the current state."""
         return self.scene.view(self.state)
 
-    def do(self, action: Action) -> None:
+    def do(self, action: Action) -> bool:
         """Move along the transitions; a blocked move leaves the state as it is.
+
+        Returns:
+            Whether the state changed.
 
         Raises:
             UserError: if the scene does not know the action.
@@ -56,7 +59,9 @@ class RecordedRobot:
         if action not in self.actions:
             known = ", ".join(known.value for known in self.actions)
             raise UserError(f"scene '{self.scene.name}' has no action {action.value}; it has {known}")
-        self.state = int(self.scene.transitions[self.state, self.actions.index(action)])
+        before = self.state
+        self.state = int(self.scene.transitions[before, self.actions.index(action)])
+        return self.state != before
 
     def pose(self) -> tuple[float, float, float, float]:
         """The current state's pose."""

@@ -25,8 +25,12 @@ class Robot(Protocol):
         """The camera's current image, (H, W, 3) uint8 RGB."""
         ...
 
-    def do(self, action: Action) -> None:
-        """Carry out one action and return when it is done. A move that is blocked leaves the robot where it is."""
+    def do(self, action: Action) -> bool:
+        """Carry out one action and return when it is done.
+
+        Returns:
+            Whether the robot moved. An action that is blocked leaves it where it was.
+        """
         ...
 
     def pose(self) -> tuple[float, float, float, float] | None:

@@ -1,0 +1,298 @@
+"""Metric moves and turns of a base with two driven wheels, closed over its odometry: how actions become motion.
+
+Nothing here knows whether the base is real: `simulated.py` and `rosbridge.py` give it one each. A move is a straight
+drive to a point that is planned in the frame of the odometry, so what one action leaves undone the next one corrects;
+what the odometry itself gets wrong adds up, as on every robot without a map.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Protocol
+
+from active_perceiver.errors import UserError
+from active_perceiver.scenes import Action
+from active_perceiver.scenes.lattice import MOVE_DIRECTION, TURN
+
+# So many times what is left to drive, or to turn, is the speed per second: the base slows down towards the end.
+EAGERNESS = 2.0
+# It steers back by so many degrees for each centimetre beside its line, at most so many.
+STEERING, MOST_STEERING = 2.0, 15.0
+# A point this much to the side of the way, seen from the robot, is driven to after turning towards it.
+ASIDE = 45.0
+
+
+class MotionError(UserError, RuntimeError):
+    """A motion that was given up; the base was stopped. The message says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Odometry:
+    """Where the wheels say that the base is.
+
+    Attributes:
+        x: metres.
+        z: metres.
+        heading: degrees, clockwise seen from above, 0 along z and 90 along x; in any range.
+        time: seconds, of the clock that `Base.now` reads, when this was measured.
+    """
+
+    x: float
+    z: float
+    heading: float
+    time: float
+
+
+class Base(Protocol):
+    """What drives and turns."""
+
+    def drive(self, speed: float, turning: float) -> None:
+        """Set the velocities: metres per second, negative backwards, and degrees per second, clockwise."""
+        ...
+
+    def odometry(self) -> Odometry:
+        """The newest odometry."""
+        ...
+
+    def now(self) -> float:
+        """Seconds of a clock that never goes back."""
+        ...
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass.
+
+        Raises:
+            Exception: if the robot should not move on, because its connection is lost for example.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What no motion exceeds, and how exact it is.
+
+    Attributes:
+        speed: metres per second.
+        turning: degrees per second.
+        distance: metres, of one motion.
+        seconds: for one motion; when they are over the base is stopped and the motion given up.
+        odometry_age: seconds; with older odometry nothing moves.
+        stall: seconds without progress after which the way counts as blocked.
+        close: metres; so near is there.
+        straight: degrees; so little beside the heading is there.
+        period: seconds between two commands.
+    """
+
+    speed: float = 0.25
+    turning: float = 45.0
+    distance: float = 1.5
+    seconds: float = 20.0
+    odometry_age: float = 0.5
+    stall: float = 1.0
+    close: float = 0.01
+    straight: float = 1.0
+    period: float = 0.05
+
+    def __post_init__(self) -> None:
+        largest = {"speed": 1.5, "turning": 180.0, "distance": 10.0, "seconds": 120.0, "odometry_age": 10.0}
+        for field in fields(self):
+            value, most = getattr(self, field.name), largest.get(field.name, 10.0)
+            if not 0 < value <= most:
+                raise MotionError(f"the limit '{field.name}' must be above 0 and at most {most:g}, got {value}")
+
+
+@dataclass
+class Plan:
+    """Where the base should be by now, in the frame of its odometry: metres, and degrees clockwise."""
+
+    x: float
+    z: float
+    heading: float
+
+
+class Driver:
+    """Carries out moves and turns on a base.
+
+    Args:
+        base: what drives.
+        limits: of every motion.
+        step: metres moved by one action.
+        turn: degrees turned by one action.
+
+    Attributes:
+        plan: where the base should be; where it was when the first action began, until then None.
+    """
+
+    def __init__(self, base: Base, limits: Limits, step: float, turn: float = 90.0) -> None:
+        if not 0 < step <= limits.distance:
+            raise MotionError(
+                f"one action moves {step:g} m, but the limit 'distance' is {limits.distance:g} m; raise it, or take "
+                "a smaller step"
+            )
+        self.limits = limits
+        self.plan: Plan | None = None
+        self._base = base
+        self._step = step
+        self._turn = turn
+
+    def do(self, action: Action) -> bool:
+        """Move one step or turn one turn. A way that is blocked is driven back.
+
+        Returns:
+            Whether the base moved.
+
+        Raises:
+            MotionError: if the action is not one of the base, or the motion exceeds a limit.
+        """
+        here = self._planned()
+        if action in TURN:
+            return self.go_to(Plan(here.x, here.z, here.heading + TURN[action] * self._turn))
+        if action not in MOVE_DIRECTION:
+            raise MotionError(f"a base cannot do {action.value}; its actions are moves and turns")
+        return self.go_to(ahead(here, self._step, MOVE_DIRECTION[action]))
+
+    def go_to(self, goal: Plan) -> bool:
+        """Drive straight to a point of the odometry's frame, turning first if it lies aside, and turn to a heading.
+
+        Returns:
+            Whether it got there. If the way is blocked it drives back to where it was planned to be, as far as it
+            can, and turns to the heading that it had.
+
+        Raises:
+            MotionError: if the motion exceeds a limit.
+        """
+        before = self._planned()
+        try:
+            if self._reach(goal):
+                self.plan = goal
+                return True
+            self._reach(before)
+            return False
+        finally:
+            self._base.drive(0.0, 0.0)
+
+    def turn_by(self, degrees: float) -> bool:
+        """Turn away from where the base is planned to be, and plan to be there; see `go_to`."""
+        here = self._planned()
+        return self.go_to(Plan(here.x, here.z, here.heading + degrees))
+
+    def move_by(self, metres: float) -> bool:
+        """Drive ahead, or back, from where the base is planned to be, and plan to be there; see `go_to`."""
+        return self.go_to(ahead(self._planned(), metres, 0.0))
+
+    def _planned(self) -> Plan:
+        if self.plan is None:
+            at = self._fresh_odometry()
+            self.plan = Plan(at.x, at.z, at.heading)
+        return self.plan
+
+    def _reach(self, goal: Plan) -> bool:
+        at = self._fresh_odometry()
+        distance = math.hypot(goal.x - at.x, goal.z - at.z)
+        if distance > self.limits.distance:
+            raise MotionError(
+                f"a motion of {distance:.2f} m is longer than the limit 'distance', {self.limits.distance:g} m; the "
+                "robot was not moved"
+            )
+        if distance > 2 * self.limits.close:
+            towards = math.degrees(math.atan2(goal.x - at.x, goal.z - at.z))
+            beside = _angle(towards - at.heading)
+            backwards = abs(beside) > 180 - ASIDE
+            if ASIDE < abs(beside) <= 180 - ASIDE and distance > 5 * self.limits.close and not self._face(towards):
+                return False
+            if not self._drive_to(goal, backwards):
+                return False
+        return self._face(goal.heading)
+
+    def _face(self, heading: float) -> bool:
+        """Turn on the spot; False if the base does not turn."""
+        watch = _Watch(self._base, self.limits)
+        while abs(left := _angle(heading - self._fresh_odometry().heading)) > self.limits.straight:
+            if watch.stalled(abs(left), self.limits.straight):
+                self._settle()
+                return False
+            rate = min(self.limits.turning, max(EAGERNESS * abs(left), 4 * self.limits.straight))
+            self._command(0.0, math.copysign(rate, left))
+        self._settle()
+        return True
+
+    def _drive_to(self, goal: Plan, backwards: bool) -> bool:
+        """Drive along a straight line to a point; False if the base does not come nearer."""
+        start = self._fresh_odometry()
+        line = math.atan2(goal.x - start.x, goal.z - start.z)
+        sense = -1.0 if backwards else 1.0
+        face = math.degrees(line) + (180.0 if backwards else 0.0)
+        watch = _Watch(self._base, self.limits)
+        while True:
+            at = self._fresh_odometry()
+            east, north = goal.x - at.x, goal.z - at.z
+            left = east * math.sin(line) + north * math.cos(line)
+            beside = east * math.cos(line) - north * math.sin(line)  # positive: the line lies to the right of the way
+            if left <= self.limits.close:
+                self._settle()
+                return True
+            if watch.stalled(left, self.limits.close):
+                self._settle()
+                return False
+            correction = max(-MOST_STEERING, min(MOST_STEERING, 100 * STEERING * beside))
+            turning = EAGERNESS * _angle(face + correction - at.heading)
+            turning = max(-self.limits.turning, min(self.limits.turning, turning))
+            speed = min(self.limits.speed, max(EAGERNESS * left, 2 * self.limits.close))
+            self._command(sense * speed, turning)
+
+    def _command(self, speed: float, turning: float) -> None:
+        self._base.drive(speed, turning)
+        self._base.wait(self.limits.period)
+
+    def _settle(self) -> None:
+        """Stand still, so that the next picture is sharp."""
+        self._command(0.0, 0.0)
+
+    def _fresh_odometry(self) -> Odometry:
+        at = self._base.odometry()
+        age = self._base.now() - at.time
+        if age > self.limits.odometry_age:
+            self._base.drive(0.0, 0.0)
+            raise MotionError(
+                f"the odometry is {age:.2f} s old, more than the limit 'odometry_age', "
+                f"{self.limits.odometry_age:g} s; the robot was stopped: check its base and the network"
+            )
+        return at
+
+
+class _Watch:
+    """Time and progress of one motion."""
+
+    def __init__(self, base: Base, limits: Limits) -> None:
+        self._base, self._limits = base, limits
+        self._started = self._progress = base.now()
+        self._least = math.inf
+
+    def stalled(self, left: float, little: float) -> bool:
+        """Whether what is left to do has not become less by a little for too long.
+
+        Raises:
+            MotionError: if the motion has taken longer than it may.
+        """
+        now = self._base.now()
+        if now - self._started > self._limits.seconds:
+            self._base.drive(0.0, 0.0)
+            raise MotionError(
+                f"a motion took longer than the limit 'seconds', {self._limits.seconds:g} s; the robot was stopped: "
+                "see what holds it, or raise the limit"
+            )
+        if left < self._least - little / 2:
+            self._least, self._progress = left, now
+        return now - self._progress > self._limits.stall
+
+
+def ahead(here: Plan, metres: float, direction: float) -> Plan:
+    """The point so far away in a direction relative to the heading, in degrees clockwise; the heading stays."""
+    angle = math.radians(here.heading + direction)
+    return Plan(here.x + metres * math.sin(angle), here.z + metres * math.cos(angle), here.heading)
+
+
+def _angle(degrees: float) -> float:
+    """The same angle in -180..180."""
+    return (degrees + 180.0) % 360.0 - 180.0

@@ -1,0 +1,179 @@
+"""Moves and turns closed over odometry, on a simulated body."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from active_perceiver.robots.body import Body, BodyError, Slip
+from active_perceiver.robots.motion import Driver, Limits, MotionError, Odometry, Plan
+from active_perceiver.scenes import TURTLEBOT_ACTIONS, Action
+from active_perceiver.scenes.lattice import MOVE_DIRECTION, TURN
+
+NO_SLIP = Slip(0, 0, 0, 0, 0)
+MOVES_AND_TURNS = [action for action in Action if action in MOVE_DIRECTION or action in TURN]
+
+
+class SimulatedBase:
+    """A body as a base; notes the largest velocities."""
+
+    def __init__(self, body: Body, *, late: float = 0.0):
+        self.body = body
+        self.late = late
+        self.fastest = self.sharpest = 0.0
+
+    def drive(self, speed, turning):
+        self.fastest, self.sharpest = max(self.fastest, abs(speed)), max(self.sharpest, abs(turning))
+        self.body.drive(speed, turning)
+
+    def odometry(self):
+        at = self.body.odometry()
+        return Odometry(at.x, at.z, at.heading, at.time - self.late)
+
+    def now(self):
+        return self.body.time
+
+    def wait(self, seconds):
+        self.body.run(seconds)
+
+
+def anywhere(x, z):
+    return True
+
+
+def base_in(free=anywhere, slip=NO_SLIP, seed=0, **kwargs):
+    return SimulatedBase(Body(0.0, 0.0, 0.0, free, slip, seed), **kwargs)
+
+
+def angle(degrees):
+    return (degrees + 180) % 360 - 180
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(st.sampled_from(MOVES_AND_TURNS), min_size=1, max_size=8), st.sampled_from([0.25, 0.35, 0.75]))
+def test_without_slip_actions_lead_where_the_lattice_says(actions, step):
+    base = base_in()
+    driver = Driver(base, Limits(), step)
+    x = z = heading = 0.0
+    for action in actions:
+        assert driver.do(action)
+        if action in TURN:
+            heading += 90 * TURN[action]
+        else:
+            way = math.radians(heading + MOVE_DIRECTION[action])
+            x, z = x + step * math.sin(way), z + step * math.cos(way)
+    # What one action leaves undone does not add up.
+    assert math.hypot(base.body.x - x, base.body.z - z) < 0.03
+    assert abs(angle(base.body.heading - heading)) < 3
+    base.body.run(0.5)
+    assert not base.body.moving
+    assert base.fastest <= Limits().speed
+    assert base.sharpest <= Limits().turning
+
+
+def test_slip_adds_up_as_odometry_does_not_see_it():
+    away = []
+    for seed in range(8):
+        base = base_in(slip=Slip(), seed=seed)
+        driver = Driver(base, Limits(), 0.5)
+        for _ in range(4):
+            assert driver.do(Action.MOVE_AHEAD)
+        at = base.odometry()
+        assert math.hypot(at.x, at.z - 2) < 0.03
+        away.append(math.hypot(base.body.x, base.body.z - 2))
+    assert 0.02 < sum(away) / len(away) < 0.3
+
+
+def test_a_blocked_way_is_driven_back():
+    base = base_in(lambda x, z: z < 0.4)
+    driver = Driver(base, Limits(), 0.75)
+    assert not driver.do(Action.MOVE_AHEAD)
+    assert base.body.collisions >= 1
+    assert math.hypot(base.body.x, base.body.z) < 0.03
+    assert driver.do(Action.MOVE_BACK)
+    assert base.body.z == pytest.approx(-0.75, abs=0.03)
+
+
+def test_a_blocked_way_to_the_side_ends_with_the_heading_it_began_with():
+    base = base_in(lambda x, z: x < 0.2)
+    driver = Driver(base, Limits(), 0.5)
+    assert not driver.do(Action.MOVE_RIGHT)
+    assert abs(angle(base.body.heading)) < 3
+    assert math.hypot(base.body.x, base.body.z) < 0.05
+
+
+def test_it_goes_to_a_point_anywhere_around():
+    base = base_in()
+    driver = Driver(base, Limits(distance=3), 0.5)
+    for x, z, heading in ((1.0, 1.0, 90.0), (-0.5, 0.5, 200.0), (0.0, 0.0, 0.0), (0.005, 0.0, 10.0)):
+        assert driver.go_to(Plan(x, z, heading))
+        assert math.hypot(base.body.x - x, base.body.z - z) < 0.03
+        assert abs(angle(base.body.heading - heading)) < 3
+
+
+def test_late_odometry_stops_the_base():
+    base = base_in(late=0.6)
+    with pytest.raises(MotionError, match="odometry is 0.60 s old"):
+        Driver(base, Limits(), 0.5).do(Action.MOVE_AHEAD)
+    assert not base.body.moving
+
+
+def test_a_motion_that_takes_too_long_is_given_up_and_stopped():
+    base = base_in()
+    with pytest.raises(MotionError, match="longer than the limit 'seconds'"):
+        Driver(base, Limits(seconds=1.0), 0.75).do(Action.MOVE_AHEAD)
+    base.body.run(1)
+    assert not base.body.moving
+
+
+def test_a_motion_that_is_too_long_is_not_begun():
+    base = base_in()
+    driver = Driver(base, Limits(distance=1), 0.5)
+    with pytest.raises(MotionError, match="longer than the limit 'distance'"):
+        driver.go_to(Plan(0.0, 2.0, 0.0))
+    assert (base.body.x, base.body.z) == (0, 0)
+
+
+def test_an_exception_while_driving_stops_the_base():
+    base = base_in()
+
+    def interrupted(seconds):
+        base.body.run(seconds)
+        if base.body.time > 0.5:
+            raise KeyboardInterrupt
+
+    base.wait = interrupted
+    with pytest.raises(KeyboardInterrupt):
+        Driver(base, Limits(), 0.75).do(Action.MOVE_AHEAD)
+    base.body.run(1)
+    assert not base.body.moving
+
+
+def test_a_base_does_not_look():
+    with pytest.raises(MotionError, match="cannot do LookUp"):
+        Driver(base_in(), Limits(), 0.5).do(TURTLEBOT_ACTIONS[4])
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"speed": 0}, {"speed": 2}, {"seconds": float("nan")}, {"distance": -1}, {"odometry_age": 11}]
+)
+def test_limits_that_make_no_sense_are_refused(wrong):
+    with pytest.raises(MotionError, match=next(iter(wrong))):
+        Limits(**wrong)
+
+
+def test_a_step_beyond_the_limit_is_refused():
+    with pytest.raises(MotionError, match="'distance' is 0.5"):
+        Driver(base_in(), Limits(distance=0.5), 0.75)
+
+
+def test_a_body_inside_something_is_refused():
+    with pytest.raises(BodyError, match="start elsewhere"):
+        Body(0, 0, 0, lambda x, z: False)
+
+
+@pytest.mark.parametrize("wrong", [{"veer": -1}, {"jerk": float("nan")}, {"distance": 30}])
+def test_slip_that_makes_no_sense_is_refused(wrong):
+    with pytest.raises(BodyError, match=next(iter(wrong))):
+        Slip(**wrong)
