@@ -114,7 +114,7 @@ def test_it_goes_to_a_point_anywhere_around():
 
 def test_late_odometry_stops_the_base():
     base = base_in(late=0.6)
-    with pytest.raises(MotionError, match="odometry is 0.60 s old"):
+    with pytest.raises(MotionError, match=r"odometry is 0\.60 s old"):
         Driver(base, Limits(), 0.5).do(Action.MOVE_AHEAD)
     assert not base.body.moving
 
@@ -164,7 +164,7 @@ def test_limits_that_make_no_sense_are_refused(wrong):
 
 
 def test_a_step_beyond_the_limit_is_refused():
-    with pytest.raises(MotionError, match="'distance' is 0.5"):
+    with pytest.raises(MotionError, match=r"'distance' is 0\.5"):
         Driver(base_in(), Limits(distance=0.5), 0.75)
 
 

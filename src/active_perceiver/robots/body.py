@@ -1,5 +1,7 @@
 """The body of a simulated robot: two driven wheels that slip, odometry that believes the wheels, walls that stop it.
 
+It is a `motion.Base` of its own, whose time passes only when somebody waits.
+
 The body turns on the spot and drives straight ahead and back, as a TurtleBot does (the paper's section IV-C). Time is
 cut into short steps. What the wheels do is what is commanded, within what the motors can; what the robot does is
 that, wrong by errors that stay for the whole search (a wheel that is worn, a floor that is smooth) and others that
@@ -103,6 +105,14 @@ class Body:
         """Where the wheels say that it is, counted from where it began, its heading then being 0."""
         x, z, heading = self._counted
         return Odometry(x, z, heading, self.time)
+
+    def now(self) -> float:
+        """Its time."""
+        return self.time
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        self.run(seconds)
 
     def run(self, seconds: float) -> None:
         """Let time pass."""

@@ -1,0 +1,133 @@
+"""A TurtleBot in a rendered room: any pose, wheels that slip, a camera with faults; needs the extra `rooms`.
+
+What it takes for an action is what a robot on the floor takes: a drive or a turn, closed over odometry that drifts
+(see `motion.py`, `body.py`). Sideways moves, which such a body cannot do, are a turn, a drive and a turn back. Time
+is the body's own: the search goes on as fast as pictures can be rendered.
+"""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import Self
+
+from active_perceiver.errors import UserError
+from active_perceiver.robots.body import Body, Slip
+from active_perceiver.robots.motion import Driver, Limits
+from active_perceiver.rooms.live_room import LiveRoom
+from active_perceiver.scenes import Action
+from active_perceiver.scenes.lattice import LOOK
+
+HEADINGS = (0.0, 90.0, 180.0, 270.0)
+# Places drawn near a lattice's until one is free.
+TRIES = 100
+
+Pose = tuple[float, float, float, float]
+
+
+class SimulatedRobot:
+    """A robot in a room that is rendered as it looks.
+
+    Args:
+        room: where it is; its settings say what the robot can do, how far it moves and what camera it has.
+        start: x, z in metres, heading and tilt in degrees; see `random_start`.
+        actions: what it may do; those of the room's settings if not given.
+        slip: how wrong its odometry is; the usual if not given.
+        limits: of every motion.
+        seed: of the slip.
+
+    Attributes:
+        body: where it truly is.
+        driver: carries out its motions.
+
+    Raises:
+        BodyError: if something stands at the start.
+    """
+
+    def __init__(
+        self,
+        room: LiveRoom,
+        start: Pose,
+        *,
+        actions: tuple[Action, ...] | None = None,
+        slip: Slip | None = None,
+        limits: Limits | None = None,
+        seed: int | None = None,
+    ) -> None:
+        x, z, heading, tilt = start
+        self.room = room
+        self.body = Body(x, z, heading, room.free, slip, seed)
+        self.driver = Driver(self.body, limits or Limits(), room.settings.spacing)
+        self._actions = actions or room.settings.actions
+        self._tilts = room.settings.tilts
+        nearest = int(np.abs(np.array(self._tilts) - tilt).argmin())
+        self._level, self._tilt_off = nearest, tilt - self._tilts[nearest]
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What it may do."""
+        return self._actions
+
+    def look(self) -> NDArray[np.uint8]:
+        """What its camera sees now, (H, W, 3) uint8 RGB, rendered."""
+        image, _ = self.room.look(self.pose())
+        return image
+
+    def pose(self) -> Pose:
+        """Where it truly is, as nobody but the simulation knows."""
+        return self.body.x, self.body.z, self.body.heading, self._tilts[self._level] + self._tilt_off
+
+    def do(self, action: Action) -> bool:
+        """Drive, turn, or tilt the camera. A way that is blocked is driven back.
+
+        Returns:
+            Whether it moved.
+
+        Raises:
+            UserError: if the robot may not do this.
+            MotionError: if the motion exceeded a limit; the robot was stopped.
+        """
+        if action not in self._actions:
+            raise UserError(f"this robot has no action {action.value}; it has {[one.value for one in self._actions]}")
+        if action not in LOOK:
+            return self.driver.do(action)
+        level = self._level + LOOK[action]
+        if not 0 <= level < len(self._tilts):
+            return False
+        self._level = level
+        return True
+
+    def stop(self) -> None:
+        """Stand still."""
+        self.body.drive(0.0, 0.0)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.stop()
+
+
+def random_start(room: LiveRoom, rng: np.random.Generator, centimetres: float = 10.0, degrees: float = 8.0) -> Pose:
+    """A pose near one of the lattice's: somewhere a person might have put the robot down.
+
+    Args:
+        room: where.
+        rng: draws it.
+        centimetres: it is up to so far beside the lattice's place, along x and along z.
+        degrees: and up to so much beside one of the four headings.
+
+    Raises:
+        UserError: if there is no free place so near to the lattice.
+    """
+    places = room.places()
+    for _ in range(TRIES):
+        x, z = places[rng.integers(len(places))] + rng.uniform(-centimetres, centimetres, 2) / 100
+        if room.free(x, z):
+            heading = HEADINGS[rng.integers(len(HEADINGS))] + rng.uniform(-degrees, degrees)
+            return float(x), float(z), float(heading % 360), float(rng.choice(room.settings.tilts))
+    raise UserError(f"no free place was found within {centimetres:g} cm of the lattice of {room.name}")

@@ -1,0 +1,102 @@
+"""A room as a robot meets it: light, a camera that looks from any pose, and where one may stand."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.progress import Report, progress_bar
+from active_perceiver.rooms.capturing.capture import look
+from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureSettings
+from active_perceiver.rooms.engine.lighting import BakedRoom, bake
+from active_perceiver.rooms.free_space import clearance, free_positions
+from active_perceiver.rooms.layouts import LAYOUTS, LayoutError, make_room
+from active_perceiver.rooms.nudging import nudged
+
+# As scene files are named: kitchen_1, kitchen_1_hour_dusk, kitchen_1_moved_2, kitchen_1_hour_dusk_moved_2.
+NAME = re.compile(r"(?P<layout>[a-z_]+?)_(?P<seed>\d+)(_hour_(?P<hour>[a-z]+))?(_moved_(?P<moved>\d+))?")
+
+
+@dataclass(frozen=True, eq=False)
+class LiveRoom:
+    """A room with its light.
+
+    Attributes:
+        name: of the room as its scene is called, without what is different today: "kitchen_1".
+        baked: the room and its light.
+        settings: of the robot and its camera, and the lattice on which scenes of such a room are captured.
+        seed: of the camera's faults.
+    """
+
+    name: str
+    baked: BakedRoom
+    settings: CaptureSettings
+    seed: int
+
+    def look(
+        self, pose: Sequence[float], targets: Sequence[str] = ()
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        """What the camera sees from a pose, (H, W, 3) uint8, and boxes of targets, (T, 4); see `capture.look`."""
+        return look(self.baked, self.settings, pose, targets, self.seed)
+
+    def free(self, x: float, z: float) -> bool:
+        """Whether the robot's middle may be at a place: nothing is closer than its radius."""
+        width, depth, _ = self.baked.room.size
+        radius = self.settings.robot_radius
+        if not (radius <= x <= width - radius and radius <= z <= depth - radius):
+            return False
+        place = np.array([[x, z]])
+        near = [
+            polygon
+            for _, polygon in self.baked.room.obstacles
+            if (polygon.min(axis=0) - radius < place[0]).all() and (polygon.max(axis=0) + radius > place[0]).all()
+        ]
+        return not near or bool(clearance(place, place, near)[0] >= radius)
+
+    def places(self) -> NDArray[np.float64]:
+        """The positions of the lattice on which scenes of the room are captured, (P, 2) x, z in metres."""
+        settings = self.settings
+        return free_positions(self.baked.room, settings.spacing, settings.robot_radius, settings.places)
+
+
+def open_room(
+    name: str,
+    *,
+    nudge: float = 0.0,
+    seed: int = 0,
+    settings: CaptureSettings | None = None,
+    progress: Callable[[str], AbstractContextManager[Report]] = progress_bar,
+) -> LiveRoom:
+    """Furnish a room and compute its light, which takes some seconds.
+
+    Args:
+        name: layout and seed, perhaps with another hour of the day or another arrangement of the things:
+            "kitchen_1", "kitchen_1_hour_dusk", "kitchen_1_moved_2".
+        nudge: metres by which every target is moved at most, in a direction of its own.
+        seed: of the nudges, the light's randomness and the camera's faults.
+        settings: None for those with which scenes of the layout are captured.
+        progress: opens a progress bar.
+
+    Raises:
+        LayoutError: if there is no such room.
+    """
+    found = NAME.fullmatch(name)
+    if not found or found["layout"] not in LAYOUTS:
+        raise LayoutError(
+            f"'{name}' is no room that can be made; name a layout ({', '.join(sorted(LAYOUTS))}) and a number, "
+            "kitchen_1 for example, and perhaps an hour or an arrangement: kitchen_1_hour_dusk, kitchen_1_moved_2"
+        )
+    layout, number = found["layout"], int(found["seed"])
+    moved = None if found["moved"] is None else int(found["moved"])
+    settings = settings or DEFAULT_SETTINGS.get(layout, CaptureSettings())
+    with progress(f"light of {name}") as report:
+        room = make_room(layout, number, hour=found["hour"], moved=moved)
+        if nudge:
+            room = nudged(room, nudge, seed)
+        baked = bake(room, settings.bake_rays, settings.bounces, number, report)
+    return LiveRoom(f"{layout}_{number}", baked, settings, seed)
