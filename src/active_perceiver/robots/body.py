@@ -90,11 +90,17 @@ class Body:
         self._wanted = (0.0, 0.0)
         self._speed = self._turning = 0.0
         self._counted = (0.0, 0.0, 0.0)
-        self._touches = False
+        self._bumped = 0  # 1 ahead, -1 behind
 
     def drive(self, speed: float, turning: float) -> None:
-        """Ask for velocities: metres per second, and degrees per second clockwise; the motors need a moment."""
-        self._wanted = (speed, turning)
+        """Ask for velocities: metres per second, and degrees per second clockwise; the motors need a moment.
+
+        Having run into something it does not drive on, as a bumper sees to, until it is told to stop or to drive the
+        other way.
+        """
+        if speed * self._bumped <= 0:
+            self._bumped = 0
+        self._wanted = (0.0 if self._bumped else speed, turning)
 
     @property
     def moving(self) -> bool:
@@ -138,11 +144,12 @@ class Body:
         z = self.z + true_way * math.cos(middle) - roughness * beside * math.sin(middle)
         if way and not self._free(x, z):
             # The wheels are held: they do not count what is not driven.
-            self.collisions += not self._touches
-            self._touches = True
+            self.collisions += 1
+            self._bumped = 1 if way > 0 else -1
+            self._wanted = (0.0, self._wanted[1])
             way = self._speed = 0.0
         elif way:
-            self.x, self.z, self._touches = x, z, False
+            self.x, self.z = x, z
         self.heading = (self.heading + true_turn) % 360
         counted_x, counted_z, counted = self._counted
         middle = math.radians(counted + turn / 2)

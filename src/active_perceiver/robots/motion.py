@@ -282,7 +282,7 @@ class _Watch:
                 f"a motion took longer than the limit 'seconds', {self._limits.seconds:g} s; the robot was stopped: "
                 "see what holds it, or raise the limit"
             )
-        if left < self._least - little / 2:
+        if left < self._least - little:
             self._least, self._progress = left, now
         return now - self._progress > self._limits.stall
 

@@ -38,11 +38,11 @@ def nudged(room: Room, most: float, seed: int) -> Room:
     if not 0 < most <= 0.5:
         raise NudgeError(f"things can be nudged by more than 0 and at most 0.5 m, got {most}")
     rng = np.random.default_rng([seed, 5])
-    boxes = {name: _box(room, name) for name in dict.fromkeys(part.object_name for part in room.parts)}
+    boxes = _boxes(room)
     stays = {lamp.object_name for lamp in room.lamps}
     shifts: dict[str, NDArray[np.float64]] = {}
     for name in room.targets:
-        others = [box for other, box in boxes.items() if other != name]
+        others = np.stack([box for other, box in boxes.items() if other != name])
         for angle, share in zip(rng.uniform(0, 2 * math.pi, TRIES), rng.uniform(0.5, 1, TRIES), strict=True):
             shift = share * most * np.array([math.sin(angle), math.cos(angle), 0.0])
             if (
@@ -60,19 +60,25 @@ def nudged(room: Room, most: float, seed: int) -> Room:
     return replace(room, parts=parts, obstacles=obstacles)
 
 
-def _box(room: Room, name: str) -> NDArray[np.float64]:
-    """Lowest and highest corner of a thing, (2, 3) metres."""
-    points = np.concatenate([part.mesh.vertices for part in room.parts if part.object_name == name])
-    return np.stack([points.min(axis=0), points.max(axis=0)]).astype(np.float64)
+def _boxes(room: Room) -> dict[str, NDArray[np.float64]]:
+    """Lowest and highest corner of each thing, (2, 3) metres."""
+    boxes: dict[str, NDArray[np.float64]] = {}
+    for part in room.parts:
+        points = part.mesh.vertices
+        box = np.stack([points.min(axis=0), points.max(axis=0)])
+        known = boxes.get(part.object_name, box)
+        boxes[part.object_name] = np.stack([np.minimum(box[0], known[0]), np.maximum(box[1], known[1])])
+    return boxes
 
 
-def _new_overlap(box: NDArray[np.float64], shift: NDArray[np.float64], others: list[NDArray[np.float64]]) -> bool:
+def _new_overlap(box: NDArray[np.float64], shift: NDArray[np.float64], others: NDArray[np.float64]) -> bool:
     """Whether a thing would overlap something more that it did not overlap where it was."""
-    return any(_overlap(box + shift, other) and not _overlap(box, other) for other in others)
+    return bool((_overlaps(box + shift, others) & ~_overlaps(box, others)).any())
 
 
-def _overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-    return bool(((one[1] - TOUCH > other[0]) & (other[1] - TOUCH > one[0])).all())
+def _overlaps(box: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) which of (N, 2, 3) other boxes a box overlaps."""
+    return ((box[1] - TOUCH > others[:, 0]) & (others[:, 1] - TOUCH > box[0])).all(axis=1)
 
 
 def _inside(room: Room, box: NDArray[np.float64]) -> bool:
