@@ -26,6 +26,7 @@ ALLOWED = {
         "vision",
     },
     "robots": {"perceiver", "scenes"},
+    "robots/simulated": {"robots", "rooms", "scenes"},
     "rooms": {"scenes"},
     "figures": {"recognition", "robots", "scenes"},
     "experiments": {
@@ -49,7 +50,7 @@ HEAVY = {"torch", "embreex", "mitsuba_oidn", "onnx", "onnxscript", "safetensors"
 
 def unit_of(path: Path) -> str:
     parts = path.relative_to(PACKAGE).with_suffix("").parts
-    return parts[0]
+    return own if (own := "/".join(parts)) in ALLOWED else parts[0]
 
 
 def imports(path: Path, top_level_only: bool = False) -> set[str]:

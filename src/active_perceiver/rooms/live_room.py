@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 from active_perceiver.progress import Report, progress_bar
 from active_perceiver.rooms.capturing.capture import look
 from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureSettings
+from active_perceiver.rooms.capturing.rendering import origin_of
 from active_perceiver.rooms.engine.lighting import BakedRoom, bake
 from active_perceiver.rooms.free_space import clearance, free_positions
 from active_perceiver.rooms.layouts import LAYOUTS, LayoutError, make_room
 from active_perceiver.rooms.nudging import nudged
+from active_perceiver.scenes import bundled_names, open_scene
 
 # As scene files are named: kitchen_1, kitchen_1_hour_dusk, kitchen_1_moved_2, kitchen_1_hour_dusk_moved_2.
-NAME = re.compile(r"(?P<layout>[a-z_]+?)_(?P<seed>\d+)(_hour_(?P<hour>[a-z]+))?(_moved_(?P<moved>\d+))?")
+NAME = re.compile(r"(?P<scene>[a-z_]+?(_\d+)?)(_hour_(?P<hour>[a-z]+))?(_moved_(?P<moved>\d+))?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +29,7 @@ class LiveRoom:
     """A room with its light.
 
     Attributes:
-        name: of the room as its scene is called, without what is different today: "kitchen_1".
+        name: of the scene whose room it is, without what is different today: "kitchen_1".
         baked: the room and its light.
         settings: of the robot and its camera, and the lattice on which scenes of such a room are captured.
         seed: of the camera's faults.
@@ -75,8 +77,8 @@ def open_room(
     """Furnish a room and compute its light, which takes some seconds.
 
     Args:
-        name: layout and seed, perhaps with another hour of the day or another arrangement of the things:
-            "kitchen_1", "kitchen_1_hour_dusk", "kitchen_1_moved_2".
+        name: of a bundled scene, or layout and seed, perhaps with another hour of the day or another arrangement of
+            the things: "kitchen_1", "kitchen_1_hour_dusk", "kitchen_1_moved_2".
         nudge: metres by which every target is moved at most, in a direction of its own.
         seed: of the nudges, the light's randomness and the camera's faults.
         settings: None for those with which scenes of the layout are captured.
@@ -86,17 +88,23 @@ def open_room(
         LayoutError: if there is no such room.
     """
     found = NAME.fullmatch(name)
-    if not found or found["layout"] not in LAYOUTS:
+    scene = found["scene"] if found else ""
+    layout, _, number = scene.rpartition("_")
+    if scene in bundled_names():
+        layout, seed_of_room = origin_of(open_scene(scene))
+    elif layout in LAYOUTS and number.isdigit():
+        seed_of_room = int(number)
+    else:
         raise LayoutError(
-            f"'{name}' is no room that can be made; name a layout ({', '.join(sorted(LAYOUTS))}) and a number, "
-            "kitchen_1 for example, and perhaps an hour or an arrangement: kitchen_1_hour_dusk, kitchen_1_moved_2"
+            f"'{name}' is no room that can be made; name a bundled scene, or a layout ({', '.join(sorted(LAYOUTS))}) "
+            "and a number, kitchen_1 for example, and perhaps an hour or an arrangement: kitchen_1_hour_dusk, "
+            "kitchen_1_moved_2"
         )
-    layout, number = found["layout"], int(found["seed"])
-    moved = None if found["moved"] is None else int(found["moved"])
+    hour, moved = (found["hour"], found["moved"]) if found else (None, None)
     settings = settings or DEFAULT_SETTINGS.get(layout, CaptureSettings())
     with progress(f"light of {name}") as report:
-        room = make_room(layout, number, hour=found["hour"], moved=moved)
+        room = make_room(layout, seed_of_room, hour=hour, moved=None if moved is None else int(moved))
         if nudge:
             room = nudged(room, nudge, seed)
-        baked = bake(room, settings.bake_rays, settings.bounces, number, report)
-    return LiveRoom(f"{layout}_{number}", baked, settings, seed)
+        baked = bake(room, settings.bake_rays, settings.bounces, seed_of_room, report)
+    return LiveRoom(scene, baked, settings, seed)
