@@ -91,7 +91,8 @@ def test_the_problem_is_the_one_that_training_has_and_the_figures_are_plain_ones
     (seen,) = agent_sightings(agent)
     task = SearchTask.from_scene(seen.scene, seen.names)
     threshold, copies = agent.recogniser.threshold, agent.config.training["changed_views"]
-    changed = changed_observations(seen, agent.backbone, agent.recogniser, threshold, copies, 0)
+    degrees = agent.config.training["changed_degrees"]
+    changed = changed_observations(seen, agent.backbone, agent.recogniser, threshold, copies, degrees, 0)
     trained = Problem(task, seen.observations(threshold, seen.trained_pictures), changed)
     (problem,) = setup.problems
     for name in ("view_features", "target_features", "masks"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from active_perceiver.experiments.changed_views import changed_observations
+from active_perceiver.experiments.changed_views import changed_observations, changed_view
 from active_perceiver.experiments.sightings import look_at, see_everywhere
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.policies.problem import Problem
@@ -41,20 +41,20 @@ def test_looking_at_images_is_looking_at_cached_features(agent, scene, seen):
 
 def test_copies_differ_and_one_is_what_the_changed_image_gives(agent, scene, seen):
     threshold = agent.recogniser.threshold
-    copies = changed_observations(seen, agent.backbone, agent.recogniser, threshold, 2, seed=3)
+    copies = changed_observations(seen, agent.backbone, agent.recogniser, threshold, 2, 10.0, seed=3)
     assert len(copies) == 2
     assert copies[0].pictures == seen.trained
     assert (copies[0].view_features != copies[1].view_features).any(axis=1).mean() > 0.8
-    image = photometric(scene.view(5), np.random.default_rng([3, 1, 5]))
+    image = changed_view(scene.view(5), np.random.default_rng([3, 1, 5]), 10.0, scene.fov)
     expected, _, _ = look_at([image], 1, agent.backbone, agent.recogniser, seen.target_codes)
     np.testing.assert_allclose(copies[1].view_features[5], expected[0], atol=1e-4)
-    assert changed_observations(seen, agent.backbone, agent.recogniser, threshold, 0, seed=3) == ()
+    assert changed_observations(seen, agent.backbone, agent.recogniser, threshold, 0, 10.0, seed=3) == ()
 
 
 def test_a_problem_draws_them_half_of_the_time(agent, scene, seen):
     task = SearchTask.from_scene(scene)
     own = seen.observations(0.5, seen.trained_pictures)
-    copies = changed_observations(seen, agent.backbone, agent.recogniser, 0.5, 2, seed=3)
+    copies = changed_observations(seen, agent.backbone, agent.recogniser, 0.5, 2, 10.0, seed=3)
     problem = Problem(task, own, copies)
     drawn = [problem.drawn(np.random.default_rng(seed)) for seed in range(300)]
     assert 0.4 < np.mean([one is own for one in drawn]) < 0.6
@@ -62,3 +62,11 @@ def test_a_problem_draws_them_half_of_the_time(agent, scene, seen):
     assert Problem(task, own).drawn(np.random.default_rng(0)) is own
     with pytest.raises(SearchError):
         Problem(SearchTask.from_scene(scene, scene.target_names[:1]), own, copies)
+
+
+def test_without_degrees_a_changed_view_shows_what_it_showed_in_other_light(scene):
+    for seed in range(5):
+        changed = changed_view(scene.view(5), np.random.default_rng(seed), 0.0, scene.fov)
+        np.testing.assert_array_equal(changed, photometric(scene.view(5), np.random.default_rng(seed)))
+        aside = changed_view(scene.view(5), np.random.default_rng(seed), 10.0, scene.fov)
+        assert (aside != changed).mean() > 0.1

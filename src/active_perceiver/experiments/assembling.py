@@ -68,6 +68,7 @@ def agent_config(
             },
             "held_out_views": held_out_views,
             "changed_views": settings.changed_views,
+            "changed_degrees": settings.changed_degrees,
             "learner": settings.learner,
             "seed": settings.seed,
         },

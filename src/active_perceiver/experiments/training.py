@@ -246,7 +246,13 @@ def _see_changed(
     started = time.monotonic()
     changed = [
         changed_observations(
-            seen, material.backbone, recogniser, recogniser.threshold, settings.changed_views, settings.seed
+            seen,
+            material.backbone,
+            recogniser,
+            recogniser.threshold,
+            settings.changed_views,
+            settings.changed_degrees,
+            settings.seed,
         )
         for seen in sightings
     ]

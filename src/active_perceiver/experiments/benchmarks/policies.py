@@ -174,8 +174,10 @@ def _open_setup(agent: ActivePerceiver, sources: Mapping[str, str]) -> Setup:
     sightings = agent_sightings(agent)
     threshold = config.score_threshold
     copies, seed = int(config.training.get("changed_views", 0)), int(config.training["seed"])
+    degrees = float(config.training.get("changed_degrees", 0.0))
     changed = [
-        changed_observations(seen, agent.backbone, agent.recogniser, threshold, copies, seed) for seen in sightings
+        changed_observations(seen, agent.backbone, agent.recogniser, threshold, copies, degrees, seed)
+        for seen in sightings
     ]
     problems = policy_problems(sightings, threshold, int(config.training["rank"]), changed)
     held_out = all(seen.held_out_pictures for seen in sightings)
@@ -184,7 +186,7 @@ def _open_setup(agent: ActivePerceiver, sources: Mapping[str, str]) -> Setup:
         for problem, seen in zip(problems, sightings, strict=True)
         if held_out
     ]
-    digest = hashlib.sha256((agent.folder / "recogniser.onnx").read_bytes() + bytes([copies]))
+    digest = hashlib.sha256((agent.folder / "recogniser.onnx").read_bytes() + repr((copies, degrees)).encode())
     for seen in sightings:
         digest.update(seen.scene.content_hash.encode())
     return Setup(agent.folder, tuple(problems), tuple(unseen), digest.hexdigest()[:16])
