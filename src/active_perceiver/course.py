@@ -37,6 +37,7 @@ class Course:
         earlier: int,
         moved: bool,
         likeness: NDArray[np.floating] | None,
+        told: bool | None = None,
     ) -> tuple[NDArray[np.float64], bool]:
         """What to make of a view.
 
@@ -47,6 +48,7 @@ class Course:
             moved: whether the last look was at another view.
             likeness: (S,) how alike the view is to each state of the room that the explorer knows, see
                 `Explorer.look`; None without an explorer.
+            told: whether the last action moved the robot, if it says so.
 
         Returns:
             (A,) probabilities from which to draw the action, which has to be told to `did`; and whether the agent
@@ -59,7 +61,7 @@ class Course:
         flattened = restless(probabilities, earlier)
         if self._explorer is None or likeness is None:
             return flattened, found
-        self._explorer.look(likeness, sight.detection)
+        self._explorer.look(likeness, sight.detection, told)
         self.lost = self.lost or earlier >= LOST
         if not self.lost:
             return flattened, found

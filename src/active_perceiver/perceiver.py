@@ -189,7 +189,7 @@ class ActivePerceiver:
         self._target = self.seeker.begin(self.backbone.maps([image]), branch)
         self._branch = branch
         self._random = np.random.default_rng(seed)
-        self._looks: list[NDArray[np.float32]] = []
+        self._looks: list[tuple[NDArray[np.float32], int]] = []
         self._room = self.room(branch)
         explorer = None
         if self._room is not None:
@@ -209,12 +209,14 @@ class ActivePerceiver:
             self._rooms[branch] = RoomMap.load(path)
         return self._rooms[branch]
 
-    def act(self, image: NDArray[np.uint8] | bytes) -> Step:
+    def act(self, image: NDArray[np.uint8] | bytes, moved: bool | None = None) -> Step:
         """Look at one image and decide.
 
         Args:
             image: what the robot sees now: (H, W, 3) uint8 RGB, or encoded, as a camera's JPEG is, which is the
                 faster way because it is decoded no larger than the backbone needs it.
+            moved: whether the last action moved the robot, as `Robot.do` says; None to tell by the views: one that
+                is like the last one then means that the action was blocked.
 
         Raises:
             AgentError: before the first `reset`.
@@ -229,18 +231,31 @@ class ActivePerceiver:
         view = pooled(maps)
         probabilities = self.policy.probabilities(view, self._target, mask[None], self._branch)[0]
         look = unit_vectors(view[0])
-        alike = [is_alike(earlier, look) for earlier in self._looks]
-        self._looks.append(look)
+        likeness = None if self._room is None else self._room.looks @ look
+        alike = self._seen_before(look, -1 if likeness is None else int(likeness.argmax()))
+        if alike and moved is not None:
+            alike[-1] = not moved
         probabilities, found = self._course.decide(
             sight,
             probabilities,
             earlier=sum(alike),
             moved=bool(alike) and not alike[-1],
-            likeness=None if self._room is None else self._room.looks @ look,
+            likeness=likeness,
+            told=moved,
         )
         draw = int(self._random.choice(len(probabilities), p=probabilities))
         self._course.did(draw)
         return Step(action=self.actions[draw], detection=sight.detection, probabilities=probabilities, found=found)
+
+    def _seen_before(self, look: NDArray[np.float32], state: int) -> list[bool]:
+        """Which of the earlier looks of this search were at the same view, and note this one.
+
+        A robot that is a little off the lattice never sees quite the same again; an agent that remembers the room
+        (`state` is what the view is most like there) takes what is most like one state for one view.
+        """
+        alike = [is_alike(earlier, look) or 0 <= state == place for earlier, place in self._looks]
+        self._looks.append((look, state))
+        return alike
 
     def _check_reset(self) -> None:
         if not self._branch:

@@ -135,3 +135,30 @@ def test_a_senseless_map_is_refused(room, change):
     fields = {"looks": room.looks, "poses": room.poses, "transitions": room.transitions, "fov": room.fov}
     with pytest.raises(AgentError):
         RoomMap(**{**fields, **change})
+
+
+def drift(room, rng, state):
+    """A view from near a state: like it, and like others."""
+    look = room.looks[state] + 0.5 * room.looks[rng.integers(len(room.looks))]
+    return room.looks @ (look / np.linalg.norm(look))
+
+
+def test_a_robot_that_says_that_it_did_not_move_is_where_it_was(room, scene):
+    explorer = Explorer(room, 1.0, THRESHOLD)
+    explorer.look(room.looks @ room.looks[7], None)
+    action = explorer.action()
+    explorer.did(action)
+    explorer.look(drift(room, np.random.default_rng(1), 90), None, moved=False)
+    assert explorer._state == 7
+    assert explorer._transitions[7, action] == 7
+    assert explorer.action() != action
+
+
+def test_a_robot_that_says_that_it_moved_is_elsewhere_though_it_looks_the_same(room, scene):
+    explorer = Explorer(room, 1.0, THRESHOLD)
+    action = int((scene.transitions[7] != 7).argmax())
+    explorer.look(room.looks @ room.looks[7], None)
+    explorer.did(action)
+    explorer.look(room.looks @ room.looks[7], None, moved=True)
+    assert explorer._state == scene.transitions[7, action]
+    assert explorer._transitions[7, action] != 7

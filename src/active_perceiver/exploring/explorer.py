@@ -60,14 +60,15 @@ class Explorer:
         self._graph = transition_graph(self._transitions)
         self._explored = 0
 
-    def look(self, likeness: NDArray[np.floating], detection: Detection | None) -> None:
+    def look(self, likeness: NDArray[np.floating], detection: Detection | None, moved: bool | None = None) -> None:
         """Take in a view.
 
         Args:
             likeness: (S,) cosine similarity of the view's pooled features to those of each state of the room.
             detection: where the target is seen, None if it is not.
+            moved: whether the last action moved the robot, if it says so; else the view tells.
         """
-        state = self._locate(likeness)
+        state = self._locate(likeness, moved)
         if self._action is not None and state == self._state:
             self._transitions[state, self._action] = state  # blocked, whatever the map says
             self._graph = transition_graph(self._transitions)
@@ -78,12 +79,18 @@ class Explorer:
             self._sightings[state] = Sighting(state, detection.box, detection.score)
             self._estimates = None
 
-    def _locate(self, likeness: NDArray[np.floating]) -> int:
+    def _locate(self, likeness: NDArray[np.floating], moved: bool | None) -> int:
         best = int(likeness.argmax())
-        if self._action is not None:
-            expected = int(self._transitions[self._state, self._action])
-            if likeness[expected] >= likeness[best] - SURPRISE and expected != self._state:
-                return expected
+        if self._action is None:
+            return best
+        if moved is False:
+            return self._state
+        expected = int(self._transitions[self._state, self._action])
+        if likeness[expected] >= likeness[best] - SURPRISE and expected != self._state:
+            return expected
+        if moved and best == self._state:
+            # It says that it moved, so it is somewhere else, however little that shows.
+            return expected if expected != self._state else int(np.argsort(likeness)[-2:][0])
         return best
 
     def did(self, action: int) -> None:
