@@ -17,8 +17,8 @@ from active_perceiver.files import OutputExistsError
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action, Scene, Target, load_scene
 from active_perceiver.scenes.checking import scene_problems
 from active_perceiver.scenes.exporters.coco import export_coco
-from active_perceiver.scenes.images import square_image
-from active_perceiver.scenes.importers.photo_files import boxes_in_square, upright
+from active_perceiver.scenes.images import boxes_in_square, square_image
+from active_perceiver.scenes.importers.photo_files import upright
 from active_perceiver.scenes.importers.photos import PhotoSettings, import_photos
 from active_perceiver.scenes.importers.pose_table import read_moves, read_poses, write_moves
 from active_perceiver.scenes.importers.snapping import LatticeSettings
