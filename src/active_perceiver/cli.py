@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -288,7 +289,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.FlagCreatePairsOff),
     )
     try:
-        return command.run()
+        with warnings.catch_warnings():
+            # Of EXIF that is corrupt, as some phones write it; an image that cannot be read is an error anyway.
+            warnings.filterwarnings("ignore", module=r"PIL\b")
+            return command.run()
     except UserError as error:
         # A message may hold brackets, as in 'active-perceiver[train]'; they are no markup.
         console.print(f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True)

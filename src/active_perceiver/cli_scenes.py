@@ -238,7 +238,8 @@ ScenesCommand = (
         subcommand(
             "check",
             description=help_text(
-                "What is wrong with a scene and what that means; exit code 1 if it cannot be searched.",
+                "What is wrong with a scene and what that means; exit code 1 if it, or one of its objects, cannot be "
+                "searched. Islands of states are no reason: a search starts where a goal can be reached.",
                 "scenes check kitchen_1",
                 "scenes check my_room.h5",
             ),

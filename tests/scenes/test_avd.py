@@ -17,7 +17,7 @@ from active_perceiver.scenes.importers import avd_poses
 from active_perceiver.scenes.importers.avd import import_avd
 from active_perceiver.scenes.importers.matlab_records import as_records, records_as_json
 from active_perceiver.scenes.importers.pictures import crop_pictures
-from active_perceiver.scenes.importers.reading import boxes_in_square
+from active_perceiver.scenes.importers.reading import boxes_of_corners
 from foreign import AVD_ACTIONS, avd_name, avd_records, avd_scene, write_avd, write_records
 
 
@@ -91,12 +91,13 @@ def test_boxes_in_a_square_against_drawing_them(width, height, values):
     side = max(width, height)
     mask = np.zeros((height, width), bool)
     mask[max(top, 0) : max(bottom, 0), max(left, 0) : max(right, 0)] = True
-    box = boxes_in_square(np.array([left, top, right, bottom], float), width, height)
+    corners = np.array([[[left, top, right, bottom]]], float)
+    box = boxes_of_corners(corners, np.array([[width, height]]), side)[0, 0]
     if not mask.any():
         assert np.isnan(box).all()
         return
     rows, across = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
-    x, y = (side - width) / 2, (side - height) / 2
+    x, y = (side - width) // 2, (side - height) // 2
     low, high = np.array([across[0] + x, rows[0] + y]), np.array([across[-1] + 1 + x, rows[-1] + 1 + y])
     np.testing.assert_allclose(box, np.concatenate([(low + high) / 2, high - low]) / side, atol=1e-5)
 

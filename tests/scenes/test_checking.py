@@ -5,8 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
+from active_perceiver.cli import main
+from active_perceiver.scenes import save_scene
 from active_perceiver.scenes.checking import scene_problems
 from active_perceiver.scenes.images import encode_image
+from active_perceiver.scenes.lattice import MOVE_DIRECTION
+from active_perceiver.search.task import SearchTask
 
 
 def texts(scene, fatal=None):
@@ -31,6 +35,24 @@ def test_islands_and_unreachable_goals_are_named(scene):
     assert any("24 states have no way out" in text for text in found)
     assert any("islands" in text for text in found)
     assert any("no search starts there" in text for text in found)
+
+
+def test_many_islands_are_a_finding_with_a_remedy_but_can_be_searched(scene, tmp_path, capsys):
+    """Turning and looking is all there is: each place is an island, and those with a goal can still be searched."""
+    transitions = scene.transitions.copy()
+    moves = [column for column, action in enumerate(scene.actions) if action in MOVE_DIRECTION]
+    transitions[:, moves] = np.arange(len(scene))[:, None]
+    divided = dataclasses.replace(scene, transitions=transitions)
+    (islands,) = (problem for problem in scene_problems(divided) if "islands" in problem.text)
+    assert not islands.fatal
+    assert islands.text.startswith("the states fall into 16 islands of 12, 12, 12, 12, 12 ... states")
+    assert "moves.csv" in islands.text
+    save_scene(divided, tmp_path / "divided.h5")
+    assert main(["scenes", "check", str(tmp_path / "divided.h5")]) == 0
+    assert "note  the states fall into 16 islands" in capsys.readouterr().out
+    search = SearchTask.from_scene(divided)  # it refuses what cannot be searched
+    starts = [len(search.starts(target)) for target in range(len(search.targets))]
+    assert 0 < max(starts) <= 5 * 11
 
 
 def test_goals_that_nothing_leads_to_are_fatal(scene):

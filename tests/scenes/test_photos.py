@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import shutil
+import warnings
 
 import numpy as np
 import pytest
@@ -16,8 +17,8 @@ from active_perceiver.files import OutputExistsError
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action, Scene, Target, load_scene
 from active_perceiver.scenes.checking import scene_problems
 from active_perceiver.scenes.exporters.coco import export_coco
-from active_perceiver.scenes.images import square_image
-from active_perceiver.scenes.importers.photo_files import boxes_in_square, upright
+from active_perceiver.scenes.images import boxes_in_square, square_image
+from active_perceiver.scenes.importers.photo_files import upright
 from active_perceiver.scenes.importers.photos import PhotoSettings, import_photos
 from active_perceiver.scenes.importers.pose_table import read_moves, read_poses, write_moves
 from active_perceiver.scenes.importers.snapping import LatticeSettings
@@ -197,6 +198,25 @@ def test_boxes_go_where_the_pixels_go(width, height, size):
     low, high = np.array([columns[0], rows[0]]), np.array([columns[-1] + 1, rows[-1] + 1])
     expected = np.concatenate([(low + high) / 2, high - low]) / size
     np.testing.assert_allclose(boxes_in_square(box, width, height, size), expected, atol=2.1 / size)
+
+
+def test_corrupt_exif_is_nothing_to_talk_about(folder, tmp_path, capsys):
+    """Pillow warns of it, in a line of its own code, and takes the photograph as it lies in the file."""
+    path = folder / "IMG_0005.jpg"
+    exif = Image.Exif()
+    exif[0x010E] = "a description longer than four letters"
+    data = bytearray(exif.tobytes())
+    data[data.index(0x0E) + 4 : data.index(0x0E) + 8] = bytes([200, 200, 0, 0])  # its length
+    Image.open(path).convert("RGB").save(path, exif=bytes(data))
+    with pytest.warns(UserWarning, match="EXIF|Tag data larger"):
+        upright(path)
+    out = tmp_path / "out" / "scene.h5"
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        assert main(["scenes", "import", "photos", str(folder), "--out", str(out), "--image-size", "48"]) == 0
+    assert [str(warning.message) for warning in warned] == []
+    assert "Warning" not in capsys.readouterr().err
+    assert len(load_scene(out)) == 72
 
 
 def replaced(path, old, new):

@@ -194,6 +194,59 @@ def test_steps_of_headings_are_found(step):
 
 
 def test_tilts_are_levels():
-    assert fit_tilts(np.array([0.0, 5.0, 0.0, 5.0])).tolist() == [0.0, 5.0]
+    assert fit_tilts(np.array([0.0, 5.0, 0.0, 5.0]))[1].tolist() == [0.0, 5.0]
     noisy = np.concatenate([np.linspace(-29, -21, 9), np.linspace(-3.7, 3.3, 9)])
-    assert fit_tilts(noisy).tolist() == [-25.0, 0.0]
+    numbers, levels = fit_tilts(noisy)
+    assert levels.tolist() == [-25.0, 0.0]
+    assert numbers.tolist() == [0] * 9 + [1] * 9
+
+
+@given(
+    lowest=st.integers(-80, -20),
+    steps=st.lists(st.integers(8, 40), max_size=3),
+    errors=st.lists(st.integers(0, 8), min_size=4, max_size=4),
+    extra=st.integers(0, 60),
+    seed=st.integers(0, 10**6),
+)
+def test_tilts_read_off_to_the_degree_are_the_levels_that_were_meant(lowest, steps, errors, extra, seed):
+    """Two degrees are left between what was written down of one level and what was of the next one."""
+    rng = np.random.default_rng(seed)
+    meant, reach = [lowest], errors[: len(steps) + 1]
+    for step, error, following in zip(steps, reach, reach[1:], strict=False):
+        meant.append(meant[-1] + max(step, error + following + 2))
+    # All that can be written down, each at least twice, and some of it more often.
+    level = np.concatenate([np.full(2 * (2 * error + 1), number) for number, error in enumerate(reach)])
+    off = np.concatenate([np.tile(np.arange(-error, error + 1), 2) for error in reach])
+    chosen = np.concatenate([rng.permutation(len(level)), rng.integers(len(level), size=extra)])
+    numbers, levels = fit_tilts(np.array(meant, float)[level[chosen]] + off[chosen])
+    np.testing.assert_array_equal(numbers, level[chosen])
+    assert np.abs(levels - meant).max() <= 2 + 8 / 3
+
+
+@pytest.mark.parametrize("tilts", [(-25.0, 0.0), (-20.0, -10.0, 0.0), (0.0,), (-30.0, 0.0, 30.0)])
+def test_poses_written_down_in_whole_degrees_need_no_tilts(tilts):
+    rng = np.random.default_rng(3)
+    meant = grid(4, 4, 0.75, tilts=tilts)
+    written = meant + np.column_stack([np.zeros((len(meant), 2)), rng.integers(-2, 3, (len(meant), 2))])
+    snapped = snap_poses(table_of(written), LatticeSettings())
+    np.testing.assert_allclose(snapped.poses, meant, atol=1e-3)
+    given_tilts = snap_poses(table_of(written), LatticeSettings(tilts=tilts))
+    np.testing.assert_array_equal(snapped.poses, given_tilts.poses)
+
+
+@given(st.integers(0, 10**6))
+def test_tilts_all_over_the_place_are_no_levels(seed):
+    assert fit_tilts(np.random.default_rng(seed).uniform(-30, 30, 300)) is None
+
+
+@given(st.lists(st.floats(-90, 90), min_size=1, max_size=40))
+def test_any_tilts_are_levels_in_order_or_none(tilts):
+    fitted = fit_tilts(np.array(tilts))
+    if fitted is None:
+        return
+    numbers, levels = fitted
+    assert (np.diff(levels) > 0).all()
+    assert set(numbers.tolist()) == set(range(len(levels)))
+    assert np.abs(np.array(tilts) - levels[numbers]).max() <= 18.5
+    order = np.argsort(tilts, kind="stable")
+    assert (np.diff(numbers[order]) >= 0).all()

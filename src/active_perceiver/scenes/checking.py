@@ -21,7 +21,8 @@ class Problem:
 
     Attributes:
         text: a sentence: what is wrong and what that means.
-        fatal: whether the scene cannot be searched because of it.
+        fatal: whether the scene, or one of its objects, cannot be searched because of it. Islands alone are no
+            reason: a search can start where a goal can be reached, and the finding says how many states that are not.
     """
 
     text: str
@@ -47,7 +48,9 @@ def _moves(scene: Scene) -> list[Problem]:
         found.append(
             Problem(
                 f"the states fall into {len(parts)} islands of {', '.join(str(size) for size in parts[:5])}"
-                f"{' ...' if len(parts) > 5 else ''} states: from one no way leads to another and back"
+                f"{' ...' if len(parts) > 5 else ''} states: from one no way leads to another and back, and a search "
+                "finds only what is on its own; if the robot can go there, moves or views between them are missing: "
+                "check the spacing and the headings, or give the moves (moves.csv)"
             )
         )
     for column, action in enumerate(scene.actions):

@@ -124,7 +124,7 @@ def square_image(image: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
     if (height, width) == (size, size):
         return image
     scale = size / max(height, width)
-    fitted = (max(1, round(width * scale)), max(1, round(height * scale)))
+    fitted, margin = _fitted(width, height, size)
     # For making smaller, bilinear is nearly twice as fast, and what the backbone makes of the result differs less
     # than between JPEG qualities.
     filtered = Image.Resampling.BILINEAR if scale < 1 else Image.Resampling.BICUBIC
@@ -132,5 +132,29 @@ def square_image(image: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
     border = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
     red, green, blue = (int(value) for value in np.median(border, axis=0))
     square = Image.new("RGB", (size, size), (red, green, blue))
-    square.paste(resized, ((size - fitted[0]) // 2, (size - fitted[1]) // 2))
+    square.paste(resized, margin)
     return np.asarray(square)
+
+
+def boxes_in_square(boxes: NDArray[np.floating], width: int, height: int, size: int) -> NDArray[np.float32]:
+    """Boxes in an image as boxes in the square that `square_image` makes of it.
+
+    Args:
+        boxes: (..., 4) centre x, centre y, width, height as fractions of the image; NaN stays NaN.
+        width: of the image in pixels.
+        height: of the image in pixels.
+        size: side of the square in pixels.
+
+    Returns:
+        (..., 4) float32, the same as fractions of the square.
+    """
+    fitted, margin = (np.array(pair) for pair in _fitted(width, height, size))
+    centre = (margin + boxes[..., :2] * fitted) / size
+    return np.concatenate([centre, boxes[..., 2:] * fitted / size], axis=-1).astype(np.float32)
+
+
+def _fitted(width: int, height: int, size: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Width and height of an image that fits into a square, and the pixels to its left and above it there."""
+    scale = size / max(height, width)
+    across, down = max(1, round(width * scale)), max(1, round(height * scale))
+    return (across, down), ((size - across) // 2, (size - down) // 2)

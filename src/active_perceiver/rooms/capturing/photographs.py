@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 import tempfile
 from collections.abc import Sequence
@@ -45,8 +46,10 @@ from active_perceiver.scenes.scene import Target
 JPEG_QUALITY = 90
 # Near white a grey level of 255 is so much of the light, as sRGB encodes it.
 _LIGHT_PER_GREY = 2.4 / 1.055 / 255
-# Everything at the top of a folder that `take_photographs` wrote.
-_WRITTEN = ("poses.csv", "annotations.json", "targets")
+# Everything in a folder that `take_photographs` wrote, and the sign that it did: somebody's own photographs may be
+# called the same.
+_WRITTEN = re.compile(r"poses\.csv|annotations\.json|IMG_\d{4,}\.jpg|targets/[^/]+/\d{2,}\.jpg")
+_SIGN = "photographs of a rendered room"
 
 
 @dataclass(frozen=True)
@@ -164,11 +167,19 @@ def _check_folder(folder: Path, force: bool) -> None:
         return
     if not force:
         raise OutputExistsError(f"{folder} exists; give another name, or --force to replace it")
-    if not folder.is_dir() or any(
-        path.name not in _WRITTEN and not (path.name.startswith("IMG_") and path.suffix == ".jpg")
-        for path in folder.iterdir()
-    ):
-        raise OutputExistsError(f"{folder} holds more than photographs of a rendered room; give another name")
+    if folder.is_symlink() or not folder.is_dir() or not _all_written_here(folder):
+        raise OutputExistsError(f"{folder} holds other things than {_SIGN}; give another name")
+
+
+def _all_written_here(folder: Path) -> bool:
+    """Whether a folder holds nothing but what `take_photographs` wrote."""
+    files = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()]
+    if not all(_WRITTEN.fullmatch(name) for name in files):
+        return False
+    try:
+        return not files or json.loads((folder / "annotations.json").read_bytes())["info"]["description"] == _SIGN
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return False
 
 
 def _camera(settings: CaptureSettings, photographer: PhotographSettings, places: int | None) -> CaptureSettings:
@@ -274,4 +285,5 @@ def _coco(
         {"id": number, "name": target.name, "supercategory": target.category}
         for number, target in enumerate(targets, 1)
     ]
-    return {"images": images, "annotations": annotations, "categories": categories}
+    info = {"description": _SIGN}
+    return {"info": info, "images": images, "annotations": annotations, "categories": categories}

@@ -24,7 +24,7 @@ from active_perceiver.scenes.importers.pictures import crop_pictures, found_pict
 from active_perceiver.scenes.importers.reading import (
     Imported,
     against_poses,
-    boxes_in_square,
+    boxes_of_corners,
     check_image_size,
     encoded_view,
     entry,
@@ -105,7 +105,7 @@ def import_avd(
         views=views,
         poses=poses.astype(np.float32),
         transitions=transitions,
-        boxes=_in_squares(boxes.corners[:, columns], sizes, notes),
+        boxes=_in_squares(boxes.corners[:, columns], sizes, image_size, notes),
         targets=chosen,
         image_size=image_size,
         fov=fov,
@@ -274,10 +274,10 @@ def _targets(
     return columns, tuple(pictured_target(boxes.names[i], found[boxes.names[i]], boxes.names[i]) for i in columns)
 
 
-def _in_squares(corners: NDArray[np.float64], sizes: NDArray[np.int64], notes: list[str]) -> NDArray[np.float32]:
-    boxes = np.full(corners.shape, np.nan, np.float32)
-    for row, (width, height) in enumerate(sizes.tolist()):
-        boxes[row] = boxes_in_square(corners[row], width, height)
+def _in_squares(
+    corners: NDArray[np.float64], sizes: NDArray[np.int64], image_size: int, notes: list[str]
+) -> NDArray[np.float32]:
+    boxes = boxes_of_corners(corners, sizes, image_size)
     if outside := int((np.isnan(boxes) & ~np.isnan(corners)).all(-1).sum()):
         notes.append(f"{outside} boxes lie outside their photographs; they are left out")
     return boxes

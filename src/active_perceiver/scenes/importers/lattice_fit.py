@@ -34,8 +34,10 @@ HEADING_STEPS = (
 )
 # How far most headings may be from the lattice, in degrees, for it to be taken for what was meant.
 _HEADING_REACH = 10.0
-# Levels of tilt that differ by less are told apart only if they are exact.
-_TILT_GAP = 8.0
+# Levels of tilt whose middles differ by less are told apart only if they are exact; then they differ by the second.
+_TILT_GAP, _EXACT_GAP = 8.0, 5.0
+# So many levels, at most, are taken for exact ones.
+_EXACT_LEVELS = 12
 # All photographs within so many metres were taken in one place.
 ONE_PLACE = 0.15
 # Pairs of this many photographs are enough to find a lattice, and fit into memory.
@@ -89,22 +91,44 @@ def fit_headings(headings: NDArray[np.float64], step: float | None = None) -> tu
     return None if best is None else best[1:]
 
 
-def fit_tilts(tilts: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """The levels of tilt, ascending; None if they run into each other.
+def fit_tilts(tilts: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
+    """The levels of tilt; None if they run into each other.
+
+    Values that occur again and again and are far apart are taken as they are. Others, also whole degrees that were
+    read off, are one level as far as they are closer to each other than to the next level.
 
     Args:
         tilts: (S,) degrees.
+
+    Returns:
+        (S,) number of each one's level, and the levels in degrees, ascending.
     """
-    exact = np.unique(np.round(tilts, 2))
-    if len(exact) <= 12 and len(tilts) >= 2 * len(exact) and (len(exact) == 1 or np.diff(exact).min() >= 1):
-        return exact
-    ascending = np.sort(tilts)
-    levels = np.split(ascending, np.flatnonzero(np.diff(ascending) > _TILT_GAP) + 1)
-    if max(float(np.ptp(level)) for level in levels) > 2 * _TILT_GAP:
+    values = np.unique(np.round(tilts, 2))
+    exact = len(values) <= min(_EXACT_LEVELS, len(tilts) / 2) and (np.diff(values) >= _EXACT_GAP).all()
+    ends = np.arange(len(values) - 1) if exact else _ends_of_levels(values)
+    if ends is None:
         return None
-    middles = np.array([level.mean() for level in levels])
+    numbers = np.searchsorted((values[ends] + values[ends + 1]) / 2, tilts).astype(np.int64)
+    if exact:
+        return numbers, values
+    middles = np.bincount(numbers, tilts) / np.bincount(numbers)
     fives = np.round(middles / 5) * 5  # what people choose
-    return np.where(np.abs(middles - fives) <= 2, fives, np.round(middles)) + 0.0
+    return numbers, np.where(np.abs(middles - fives) <= 2, fives, np.round(middles)) + 0.0
+
+
+def _ends_of_levels(values: NDArray[np.float64]) -> NDArray[np.int64] | None:
+    """Where in ascending values each level but the last ends: at as many of the widest gaps as can be."""
+    gaps = np.diff(values)
+    widest = np.argsort(-gaps, kind="stable")
+    for count in range(min(len(gaps), round(180 / _TILT_GAP)), -1, -1):
+        ends = np.sort(widest[:count])
+        lowest, highest = values[np.concatenate([[0], ends + 1])], values[np.append(ends, len(values) - 1)]
+        others = np.delete(gaps, ends).max(initial=0.0)
+        clear = gaps[ends].min(initial=np.inf) >= min(2 * others, _TILT_GAP)
+        apart = np.diff((lowest + highest) / 2).min(initial=np.inf) >= _TILT_GAP
+        if clear and apart and (highest - lowest).max() <= 2 * _TILT_GAP:
+            return ends
+    return None
 
 
 def fit_places(

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import ExifTags, Image, UnidentifiedImageError
 
 from active_perceiver.scenes.images import ImageError, decode_image, encode_image, image_suffix, square_image
@@ -64,24 +63,6 @@ def square_view(path: Path, photograph: Upright, size: int) -> bytes:
     if (photograph.width, photograph.height) == (size, size) and not photograph.turned and _storable(data):
         return data
     return encode_image(square_image(image, size))
-
-
-def boxes_in_square(boxes: NDArray[np.floating], width: int, height: int, size: int) -> NDArray[np.float32]:
-    """Boxes in a photograph as boxes in the square that `square_image` makes of it.
-
-    Args:
-        boxes: (..., 4) centre x, centre y, width, height as fractions of the photograph; NaN stays NaN.
-        width: of the photograph in pixels.
-        height: of the photograph in pixels.
-        size: side of the square in pixels.
-
-    Returns:
-        (..., 4) float32, the same as fractions of the square.
-    """
-    scale = size / max(width, height)
-    fitted = np.array([max(1, round(width * scale)), max(1, round(height * scale))])
-    centre = ((size - fitted) // 2 + boxes[..., :2] * fitted) / size
-    return np.concatenate([centre, boxes[..., 2:] * fitted / size], axis=-1).astype(np.float32)
 
 
 def read_target(paths: Sequence[Path]) -> tuple[bytes, ...]:

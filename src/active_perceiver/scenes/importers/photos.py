@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.progress import Report, quiet
+from active_perceiver.scenes.images import boxes_in_square
 from active_perceiver.scenes.importers.coco import CocoBoxes, read_coco
 from active_perceiver.scenes.importers.moves import lattice_actions, one_way_moves, snapped_transitions
 from active_perceiver.scenes.importers.photo_files import (
     IMAGE_SUFFIXES,
     Upright,
-    boxes_in_square,
     read_target,
     square_view,
     upright,

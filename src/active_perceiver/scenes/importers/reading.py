@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
 from active_perceiver.scenes.hdf5 import check_stored
-from active_perceiver.scenes.images import MAX_PIXELS, encode_image, square_image
+from active_perceiver.scenes.images import MAX_PIXELS, boxes_in_square, encode_image, square_image
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import Scene, SceneError
 
@@ -191,25 +191,28 @@ def encoded_view(image: NDArray[np.uint8], size: int) -> bytes:
     return encode_image(square_image(image, size))
 
 
-def boxes_in_square(corners: NDArray[np.floating], width: int, height: int) -> NDArray[np.float32]:
-    """Boxes in an image as boxes in the square that `square_image` makes of it.
+def boxes_of_corners(
+    corners: NDArray[np.floating], sizes: NDArray[np.integer], image_size: int
+) -> NDArray[np.float32]:
+    """Boxes given by two corners in images as boxes in the views that `encoded_view` makes of these.
 
     Args:
-        corners: (..., 4) left, top, right, bottom in pixels; they are cut at the image's edges.
-        width: of the image in pixels.
-        height: of the image in pixels.
+        corners: (S, T, 4) left, top, right, bottom in pixels; they are cut at the image's edges.
+        sizes: (S, 2) width and height of the images in pixels.
+        image_size: side of the views in pixels.
 
     Returns:
-        (..., 4) float32 centre x, centre y, width, height as fractions of the square; NaN where less than a pixel of
-        the box is inside the image.
+        (S, T, 4) centre x, centre y, width, height as fractions of the view; NaN where less than a pixel of the box
+        is inside the image.
     """
-    low = np.maximum(corners[..., :2], 0.0)
-    high = np.minimum(corners[..., 2:], (width, height))
-    size = high - low
-    longest = max(width, height)
-    margin = (longest - np.array([width, height])) / 2
-    boxes = np.concatenate([(low + high) / 2 + margin, size], axis=-1) / longest
-    return np.where((size >= 1.0).all(-1, keepdims=True), boxes, np.nan).astype(np.float32)
+    found = np.full(corners.shape, np.nan, np.float32)
+    for row, (width, height) in enumerate(sizes.tolist()):
+        low = np.maximum(corners[row, :, :2], 0.0)
+        high = np.minimum(corners[row, :, 2:], (width, height))
+        boxes = np.concatenate([(low + high) / 2, high - low], axis=-1) / [width, height, width, height]
+        large = (high - low >= 1.0).all(-1, keepdims=True)
+        found[row] = boxes_in_square(np.where(large, boxes, np.nan), width, height, image_size)
+    return found
 
 
 def turned(degrees: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -26,7 +26,7 @@ from active_perceiver.scenes.importers.reading import (
     ALL_ACTIONS,
     Imported,
     actions_between,
-    boxes_in_square,
+    boxes_of_corners,
     check_image_size,
     check_pixels,
     dataset,
@@ -100,7 +100,7 @@ def import_savn(
         actions, transitions = _transitions(states, edges, folder / "graph.json", notes)
         objects = read_objects(folder, states.row_of, len(states.keys), targets, notes)
         views, sizes = _views(images, states, path, image_size, progress)
-        kept, boxes = _targets(objects, images, states, sizes, pictures, notes)
+        kept, boxes = _targets(objects, images, states, sizes, image_size, pictures, notes)
     scene = Scene(
         name=name or folder.name.removesuffix(SUFFIX),
         actions=actions,
@@ -262,6 +262,7 @@ def _targets(
     images: h5py.File,
     states: _States,
     sizes: NDArray[np.int64],
+    image_size: int,
     folder: Path | None,
     notes: list[str],
 ) -> tuple[tuple[Target, ...], NDArray[np.float32]]:
@@ -291,10 +292,7 @@ def _targets(
     targets = tuple(
         pictured_target(objects.names[index], pictures[objects.names[index]], objects.types[index]) for index in kept
     )
-    boxes = np.stack(
-        [boxes_in_square(corners[kept], *size) for corners, size in zip(objects.corners, sizes.tolist(), strict=True)]
-    )
-    return targets, boxes.reshape(len(states.keys), len(kept), 4)
+    return targets, boxes_of_corners(objects.corners[:, kept], sizes, image_size)
 
 
 def _best_views(objects: SeenObjects, states: _States) -> str:

@@ -137,13 +137,16 @@ def _headings(table: PoseTable, step: float | None) -> tuple[NDArray[np.int64], 
 def _tilts(table: PoseTable, given: tuple[float, ...] | None) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Number of each tilt, and the levels in degrees."""
     tilts = table.poses[:, 3]
-    levels = fit_tilts(tilts) if given is None else np.unique(np.array(given, float))
-    if levels is None:
+    if given is not None:
+        levels = np.unique(np.array(given, float))
+        return np.abs(tilts[:, None] - levels).argmin(1), levels
+    fitted = fit_tilts(tilts)
+    if fitted is None:
         raise SceneError(
             f"{table.path}: the tilts, from {tilts.min():g} to {tilts.max():g} degrees, do not fall into levels; "
             "give --tilts"
         )
-    return np.abs(tilts[:, None] - levels).argmin(1), levels
+    return fitted
 
 
 def _places(
