@@ -8,6 +8,7 @@ from PIL import Image, ImageDraw
 
 from active_perceiver.figures.style import BOX, font
 from active_perceiver.recognition.recogniser import Detection
+from active_perceiver.scenes.images import square_image
 
 
 def draw_detection(
@@ -24,7 +25,9 @@ def draw_detection(
     Returns:
         (size, size, 3) uint8.
     """
-    canvas = Image.fromarray(image).resize((size, size), Image.Resampling.LANCZOS)
+    # A view that is not square is filled up to the square of which a box tells fractions, as for the agent.
+    square = square_image(image, max(image.shape[:2]))
+    canvas = Image.fromarray(square).resize((size, size), Image.Resampling.LANCZOS)
     if detection is None:
         return np.asarray(canvas)
     draw = ImageDraw.Draw(canvas)

@@ -23,3 +23,12 @@ PATHS = (PATH, "#c2348a", "#8a5a2b", "#0f9fb5", "#7a4fd0", "#c8322b")
 def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     """Pillow's own scalable font, so that a figure looks the same on every machine."""
     return ImageFont.load_default(size)
+
+
+def fitting(text: str, width: int, size: int) -> str:
+    """As much of a line as fits into `width` pixels, with an ellipsis where it is cut."""
+    letters, rest = font(size), text
+    while rest and letters.getlength(text) > width:
+        rest = rest[:-1]
+        text = f"{rest}…"
+    return text
