@@ -72,7 +72,8 @@ def write_report(recording: Recording, out: Path) -> None:
         "<h2>What it was asked to do</h2>",
         _setup_table(setup, record),
     ]
-    lead = f"A search in {setup.place}, begun {setup.started}. {verdict(record).capitalize()}."
+    begun = setup.started[:16].replace("T", " ")
+    lead = f"A search in {setup.place}, begun {begun}. {verdict(record).capitalize()}."
     if setup.dry_run:
         lead += " The agent looked and decided; nothing it decided was carried out."
     page.write_page(out / "report.html", f"Search for {setup.label}", lead, body)
@@ -160,6 +161,7 @@ def _setup_table(setup: SearchSetup, record: SearchRecord) -> str:
         ["agent", setup.agent],
         ["robot", setup.robot],
         ["place", f"{setup.place}, from {setup.start}"],
+        ["begun", setup.started],
         ["policy branch", setup.branch or "the agent's only one"],
         ["actions", ", ".join(action.value for action in setup.actions)],
         ["limits", f"{setup.max_steps} {'looks' if setup.dry_run else 'actions'}, {minutes}"],

@@ -39,6 +39,7 @@ def search_frames(record: SearchRecord, room: Room | None, label: str) -> Iterat
     picture = Image.fromarray(square_image(record.picture, PICTURE))
     poses = [glimpse.pose for glimpse in record.glimpses]
     whole = [pose for pose in poses if pose is not None]
+    plan = _Plan(room, whole) if whole else None
     for index, glimpse in enumerate(record.glimpses):
         frame = Image.new("RGB", (VIEW + SIDE, VIEW), "white")
         frame.paste(Image.fromarray(draw_detection(glimpse.image, glimpse.step.detection, label, VIEW)), (0, 0))
@@ -52,20 +53,40 @@ def search_frames(record: SearchRecord, room: Room | None, label: str) -> Iterat
         draw.text((x, 54), f"{count}, {glimpse.seconds:.1f} s", fill=MUTED, font=font(20))
         draw.text((x, 88), record.caption(index), fill=GOAL if done else INK, font=font(28))
         path = [pose for pose in poses[: index + 1] if pose is not None]
-        if path:
-            frame.paste(Image.fromarray(_plan(room, path, whole)), (VIEW, VIEW - PLAN))
+        if plan is not None and path:
+            frame.paste(Image.fromarray(plan.image(path)), (VIEW, VIEW - PLAN))
         yield np.asarray(frame)
 
 
-def _plan(room: Room | None, path: list[Pose], whole: list[Pose]) -> NDArray[np.uint8]:
-    """The path so far, in the room or on axes that hold the whole of it."""
-    figure = Figure(figsize=(PLAN / 100, PLAN / 100), dpi=100)
-    canvas = FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.02, 0.02, 0.96, 0.96) if room is not None else (0.13, 0.1, 0.84, 0.84))
-    draw_room(axes, room, [whole])
-    draw_path(axes, path)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[..., :3]
+class _Plan:
+    """A room on which a path grows: the room is drawn once, the path anew each time, which is several times as fast.
+
+    Args:
+        room: what is known of it.
+        whole: the whole path, which fits in.
+    """
+
+    def __init__(self, room: Room | None, whole: list[Pose]) -> None:
+        figure = Figure(figsize=(PLAN / 100, PLAN / 100), dpi=100)
+        self._canvas = FigureCanvasAgg(figure)
+        self._axes = figure.add_axes((0.02, 0.02, 0.96, 0.96) if room is not None else (0.13, 0.1, 0.84, 0.84))
+        draw_room(self._axes, room, [whole])
+        self._axes.update_datalim(np.array(whole)[:, :2])
+        self._axes.autoscale_view()
+        self._axes.set_autoscale_on(False)
+        self._canvas.draw()
+        self._empty = self._canvas.copy_from_bbox(figure.bbox)
+
+    def image(self, path: list[Pose]) -> NDArray[np.uint8]:
+        """The room with a path, (PLAN, PLAN, 3) uint8."""
+        before = set(self._axes.get_children())
+        draw_path(self._axes, path)
+        drawn = [artist for artist in self._axes.get_children() if artist not in before]
+        self._canvas.restore_region(self._empty)
+        for artist in sorted(drawn, key=lambda artist: artist.get_zorder()):
+            self._axes.draw_artist(artist)
+            artist.remove()
+        return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
 
 
 def write_video(
