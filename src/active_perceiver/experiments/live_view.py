@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -42,13 +41,9 @@ def watching(setup: SearchSetup, console: Console | None = None) -> Iterator[Wat
         yield lambda number, glimpse: print_glimpse(setup, number, glimpse)
         return
     view = LiveView(setup)
-    with Live(get_renderable=view.rendered, console=console, refresh_per_second=4) as live:
-
-        def show(number: int, glimpse: Glimpse) -> None:
-            view.looked(number, glimpse)
-            live.refresh()
-
-        yield show
+    # Drawn by a thread of its own, and once more at the end, so that the search does not wait for it.
+    with Live(get_renderable=view.rendered, console=console, refresh_per_second=8):
+        yield view.looked
 
 
 def print_glimpse(setup: SearchSetup, number: int, glimpse: Glimpse) -> None:
@@ -75,17 +70,17 @@ class LiveView:
     def __init__(self, setup: SearchSetup) -> None:
         self._setup = setup
         self._started = time.monotonic()
-        self._looks: deque[tuple[int, Glimpse]] = deque(maxlen=LAST_LOOKS)
+        self._looks: tuple[tuple[int, Glimpse], ...] = ()
 
     def looked(self, number: int, glimpse: Glimpse) -> None:
         """Note a look and how many there were before."""
-        self._looks.append((number, glimpse))
+        self._looks = (*self._looks, (number, glimpse))[-LAST_LOOKS:]
 
     def rendered(self) -> RenderableType:
         """The view as it is now."""
         setup = self._setup
         title = Text(f"searching for {setup.label} in {setup.place}{' (dry run)' if setup.dry_run else ''}")
-        looks = tuple(self._looks)  # it is drawn by another thread
+        looks = self._looks  # all at once, because another thread draws
         parts: list[RenderableType] = [self._limits(looks)]
         if looks:
             parts += [_sight(setup, looks[-1][1]), _decisions(setup, looks[-1][1]), _last_looks(setup, looks)]
@@ -118,7 +113,7 @@ def _bar(share: float, colour: str) -> ProgressBar:
 
 def _grid() -> Table:
     table = Table.grid(padding=(0, 2))
-    table.add_column(width=14)
+    table.add_column(width=15)
     table.add_column(width=BAR)
     table.add_column()
     return table

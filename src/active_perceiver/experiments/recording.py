@@ -54,7 +54,7 @@ def glimpse_json(glimpse: Glimpse) -> dict[str, Any]:
     return {
         "seconds": round(glimpse.seconds, 4),
         "pose": None if glimpse.pose is None else [float(value) for value in glimpse.pose],
-        "moved": glimpse.moved,
+        "moved": None if glimpse.moved is None else bool(glimpse.moved),
         "action": glimpse.step.action.value,
         "found": bool(glimpse.step.found),
         "score": None if detection is None else float(detection.score),
@@ -116,6 +116,10 @@ class Recorder:
         picture: (H, W, 3) uint8 RGB, what is searched.
         force: replace a recording that is there.
 
+    Attributes:
+        folder: the recording.
+        looks: how many are kept.
+
     Raises:
         OutputExistsError: if the folder is not empty and may not be replaced.
         RecordingError: if it cannot be written.
@@ -125,7 +129,7 @@ class Recorder:
         check_folder(folder, force)
         self.folder = folder
         self._started = time.monotonic()
-        self._looks, self._sound = 0, 0
+        self.looks, self._sound = 0, 0
         self._found = self._ended = False
         header = {"format": FORMAT, "version": VERSION, **setup.as_json()}
         try:
@@ -149,14 +153,14 @@ class Recorder:
             RecordingError: if it cannot be written.
         """
         data, suffix = _encoded(glimpse.frame)
-        name = f"{self._looks:05}.{suffix}"
+        name = f"{self.looks:05}.{suffix}"
         try:
             _write_through(self.folder / FRAMES / name, data)
             flush_folder(self.folder / FRAMES)
-            self._write({"look": self._looks, "frame": f"{FRAMES}/{name}", **glimpse_json(glimpse)})
+            self._write({"look": self.looks, "frame": f"{FRAMES}/{name}", **glimpse_json(glimpse)})
         except OSError as error:
             raise self._not_kept(error) from None
-        self._looks += 1
+        self.looks += 1
         self._found = self._found or glimpse.step.found
 
     def end(self, record: SearchRecord) -> None:

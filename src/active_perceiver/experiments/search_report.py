@@ -132,7 +132,7 @@ def verdict(record: SearchRecord) -> str:
 
 
 def _steps_table(record: SearchRecord) -> str:
-    rows = []
+    rows, last = [], len(record.glimpses) - 1
     for look, glimpse in enumerate(record.glimpses):
         detection = glimpse.step.detection
         rows.append(
@@ -140,7 +140,7 @@ def _steps_table(record: SearchRecord) -> str:
                 look,
                 shown(None if detection is None else detection.score, ".2f"),
                 "-" if detection is None else f"{100 * detection.area:.1f} %",
-                record.caption(look),
+                record.caption(look) if record.dry_run or look == last else glimpse.step.action.value,
                 {True: "yes", False: "no", None: "-"}[record.moved(look)],
                 f"{glimpse.seconds:.1f}",
             ]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from datetime import datetime
 from pathlib import Path
 
@@ -73,7 +74,10 @@ def search_command(
     with ExitStack() as stack:
         driven = stack.enter_context(place.robot)
         print(_announced(setup))
-        recorder = None if record is None else stack.enter_context(Recorder(record, setup, image, force=force))
+        recorder = None
+        if record is not None:
+            recorder = stack.enter_context(Recorder(record, setup, image, force=force))
+            stack.enter_context(_saying_where(recorder))
         watch = stack.enter_context(watching(setup))
 
         def looked(number: int, glimpse: Glimpse) -> None:
@@ -81,15 +85,10 @@ def search_command(
                 recorder.keep(glimpse)
             watch(number, glimpse)
 
-        try:
-            done = search(
-                agent, driven, image, branch=branch, max_steps=max_steps, max_minutes=max_minutes, seed=seed,
-                dry_run=dry_run, on_glimpse=looked,
-            )  # fmt: skip
-        except BaseException:
-            if recorder is not None:
-                stack.callback(_say_where, recorder.folder)
-            raise
+        done = search(
+            agent, driven, image, branch=branch, max_steps=max_steps, max_minutes=max_minutes, seed=seed,
+            dry_run=dry_run, on_glimpse=looked,
+        )  # fmt: skip
         if recorder is not None:
             recorder.end(done)
     print(verdict(done))
@@ -105,8 +104,16 @@ def _announced(setup: SearchSetup) -> str:
     return f"searching for {setup.picture} in {setup.place}, from {setup.start}, {most}"
 
 
-def _say_where(folder: Path) -> None:
-    console.print(
-        f"what was seen until then is kept in {folder}; `active-perceiver report {folder}` shows it",
-        highlight=False, markup=False, soft_wrap=True,
-    )  # fmt: skip
+@contextmanager
+def _saying_where(recorder: Recorder) -> Iterator[None]:
+    """Say where a search is kept that does not end by itself."""
+    try:
+        yield
+    except BaseException:
+        if recorder.looks:
+            folder = recorder.folder
+            console.print(
+                f"what was seen until then is kept in {folder}; `active-perceiver report {folder}` shows it",
+                highlight=False, markup=False, soft_wrap=True,
+            )  # fmt: skip
+        raise

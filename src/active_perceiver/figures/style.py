@@ -13,6 +13,7 @@ GOAL = "#2a9d5c"
 PATH = "#2f6fde"
 START = "#f0a202"
 BOX = "#ff4d2e"
+PADDING = "#eceff2"
 
 # Curves of one plot: Okabe and Ito's palette, which colour-blind people tell apart too, and ink.
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", INK)

@@ -146,7 +146,7 @@ def search(
     """
     started = time.monotonic()
     glimpses: list[Glimpse] = []
-    act: Callable[[Action], bool | None] = robot.do  # some robots cannot say whether they moved
+    act: Callable[[Action], bool | None] = robot.do  # a robot may not say whether it moved
     moved: bool | None = None
     try:
         check_limits(max_steps, max_minutes)
