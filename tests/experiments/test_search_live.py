@@ -18,7 +18,7 @@ from recorded import glimpses_in, setup_in
 
 pytestmark = pytest.mark.xdist_group("agent")
 
-LONG = 120  # seconds after which a child that does nothing is given up
+LONG = 300  # seconds after which a child that does nothing is given up
 
 
 def shown(setup, glimpses) -> str:
