@@ -16,8 +16,8 @@ from active_perceiver.scenes import save_scene
 pytestmark = pytest.mark.xdist_group("agent")
 
 COMMANDS = [
-    [], ["demo"], ["train"], ["evaluate"], ["search"], ["info"], ["scenes"], ["scenes", "list"], ["scenes", "info"],
-    ["scenes", "check"], ["scenes", "render"], ["scenes", "label"],
+    [], ["demo"], ["train"], ["evaluate"], ["search"], ["report"], ["info"], ["scenes"], ["scenes", "list"],
+    ["scenes", "info"], ["scenes", "check"], ["scenes", "render"], ["scenes", "label"],
 ]  # fmt: skip
 
 
@@ -139,7 +139,8 @@ def test_search_prints_its_steps_and_writes_what_it_saw(agent_folder, scene, sce
     assert code == (0 if record["found"] else 1)
     assert ("found after" in text) == record["found"]
     assert len(record["steps"]) == record["actions"] + 1
-    assert {path.name for path in out.iterdir()} == {"search.mp4", "path.png", "final.png", "search.json"}
+    written = {"search.mp4", "report.html", "path.png", "final.png", "search.json"}
+    assert {path.name for path in out.iterdir()} == written
     assert main(arguments) == 2  # what is there is not overwritten
 
 

@@ -103,8 +103,8 @@ class Search:
     """Policy branch, the name of a scene the agent was trained in; needed if it has several."""
     max_steps: int = 200
     """Give up after so many actions."""
-    max_seconds: float = 600.0
-    """Give up after so many seconds."""
+    max_minutes: float = 10.0
+    """Give up after so many minutes."""
     seed: int | None = None
     """The start and the agent's draws follow from it."""
     threads: int | None = None
@@ -114,20 +114,42 @@ class Search:
     explore: bool = True
     """Whether to look round the room when the policy leads in circles, because the target is not where it was; with
     --no-explore the policy is followed all the same."""
+    dry_run: bool = False
+    """Only look, and show what would be done: nothing moves. It looks --max-steps times, or until Ctrl-C."""
+    record: Path | None = None
+    """Keep everything that is seen and decided in this folder as the search goes on; `report` makes a page of it."""
     out: Path | None = None
-    """Write search.mp4, path.png, final.png and search.json into this folder."""
+    """Write search.mp4, report.html, path.png, final.png and search.json into this folder."""
     force: bool = False
-    """Replace what is in that folder."""
+    """Replace a recording and a report that are in these folders."""
 
     def run(self) -> int:
         from active_perceiver.experiments.searching import search_command
 
         found = search_command(
             self.agent, self.picture, self.robot, start=self.start, branch=self.branch, max_steps=self.max_steps,
-            max_seconds=self.max_seconds, seed=self.seed, threads=self.threads, confirm=self.confirm,
-            explore=self.explore, out=self.out, force=self.force,
+            max_minutes=self.max_minutes, seed=self.seed, threads=self.threads, confirm=self.confirm,
+            explore=self.explore, dry_run=self.dry_run, record=self.record, out=self.out, force=self.force,
         )  # fmt: skip
-        return 0 if found else 1
+        return 0 if found or self.dry_run else 1
+
+
+@dataclass
+class Report:
+    """A page and a video of a recorded search."""
+
+    recording: Positional[Path]
+    """Folder that `search --record` made, also of a search that was interrupted or killed."""
+    out: Path | None = None
+    """Folder for search.mp4, report.html, path.png, final.png and search.json; the recording's if not given."""
+    force: bool = False
+    """Replace a report that is there."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.search_report import report_command
+
+        report_command(self.recording, self.out, force=self.force)
+        return 0
 
 
 @dataclass
@@ -245,6 +267,16 @@ Command = (
                 "Search for what a picture shows; exit code 1 if it was not found.",
                 "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1",
                 "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1 --out run --seed 7",
+                "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1 --record run --max-minutes 5",
+            ),
+        ),
+    ]
+    | Annotated[
+        Report,
+        subcommand(
+            "report",
+            description=help_text(
+                "Make a video and a page of a search that was recorded.", "report run", "report run --out run_report"
             ),
         ),
     ]

@@ -40,3 +40,15 @@ def replacing(path: Path, force: bool = True) -> Iterator[Path]:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def flush_folder(folder: Path) -> None:
+    """Make sure that the names of new files in a folder are on the disk."""
+    try:
+        file = os.open(folder, os.O_RDONLY)
+    except OSError:  # a folder cannot be opened on Windows
+        return
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)

@@ -15,7 +15,7 @@ from active_perceiver.errors import UserError
 from active_perceiver.experiments.demo_report import Found, write_report
 from active_perceiver.experiments.evaluating import format_measures
 from active_perceiver.experiments.result import write_result
-from active_perceiver.experiments.searching import verdict, write_search
+from active_perceiver.experiments.search_report import verdict, write_search
 from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.experiments.training import measure_recogniser, train_agent
 from active_perceiver.figures.filmstrip import filmstrip

@@ -7,15 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from active_perceiver.experiments.result import shown
-from active_perceiver.experiments.searching import path_png
+from active_perceiver.experiments.search_card import search_card
 from active_perceiver.figures import page
-from active_perceiver.figures.annotate import draw_detection
-from active_perceiver.figures.filmstrip import key_glimpses
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.recognition.metrics import box_iou
 from active_perceiver.robots import SearchRecord
 from active_perceiver.scenes import Scene
-from active_perceiver.scenes.images import encode_image, square_image
 from active_perceiver.search.task import SearchTask
 
 
@@ -101,38 +98,13 @@ def write_report(path: Path, agent: ActivePerceiver, body: dict[str, Any], found
 
 
 def _search_card(item: Found) -> str:
-    record, summary = item.record, item.summary
-    last = record.glimpses[-1]
-    goals = item.task.goals[:, 0]
-    ending = "found" if record.found else "not found"
-    figures = [
-        page.picture(encode_image(square_image(record.picture, 300)), ".webp", "what to search for"),
-        page.picture(
-            encode_image(draw_detection(last.image, last.step.detection, summary.target)),
-            ".webp",
-            f"the last view: {ending}",
-        ),
-        page.picture(path_png(record, item.scene, summary.target, goals), ".png", "the path; green: goal states"),
-        page.video((item.folder / "search.mp4").read_bytes(), "the search"),
-    ]
-    steps = [
-        page.picture(
-            encode_image(
-                draw_detection(
-                    record.glimpses[index].image, record.glimpses[index].step.detection, summary.target, 240
-                )
-            ),
-            ".webp",
-            f"{index}: {ending if index == len(record.glimpses) - 1 else record.glimpses[index].step.action.value}",
-        )
-        for index in key_glimpses(record, 8)
-    ]
+    summary = item.summary
     verdict = (
-        f"{summary.actions} actions, the fewest to a goal state are {summary.shortest}; overlap of the last box "
-        f"with the true one {summary.iou:.2f}"
+        f"{item.record.ending}: {summary.actions} actions, the fewest to a goal state are {summary.shortest}; "
+        f"overlap of the last box with the true one {summary.iou:.2f}"
     )
-    title = f'<h3>{page.text(summary.target)} <span class="muted">{ending}: {verdict}</span></h3>'
-    return f'<section class="card">{title}{page.row(figures)}{page.strip(steps)}</section>'
+    video = (item.folder / "search.mp4").read_bytes()
+    return search_card(item.record, summary.target, verdict, video, item.scene, item.task.goals[:, 0])
 
 
 def _policy_table(body: dict[str, Any]) -> str:

@@ -1,21 +1,24 @@
-"""One search, live: what `search` does, and what the demo does for each of its targets."""
+"""The `search` command: one search, live, shown and recorded while it goes on."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from datetime import datetime
 from pathlib import Path
 
-import numpy as np
-from PIL import Image
-
-from active_perceiver.experiments.result import write_result
+from active_perceiver import __version__
+from active_perceiver.experiments.live_view import watching
+from active_perceiver.experiments.recording import Recorder, check_folder
+from active_perceiver.experiments.recording_reading import Recording
 from active_perceiver.experiments.robot_places import robot_at
-from active_perceiver.figures.annotate import draw_detection
-from active_perceiver.figures.floor import figure_png, trajectory_figure
-from active_perceiver.figures.video import write_video
-from active_perceiver.files import OutputExistsError, replacing
+from active_perceiver.experiments.search_report import check_report, verdict, write_report
+from active_perceiver.experiments.search_setup import Floor, SearchSetup
 from active_perceiver.perceiver import ActivePerceiver
-from active_perceiver.robots import Glimpse, SearchRecord, search
-from active_perceiver.scenes import Action, Scene, read_image
+from active_perceiver.progress import console
+from active_perceiver.robots import Glimpse, search
+from active_perceiver.robots.searching import check_limits
+from active_perceiver.scenes import Action, read_image
 
 
 def search_command(
@@ -26,25 +29,30 @@ def search_command(
     start: int | None = None,
     branch: str | None = None,
     max_steps: int = 200,
-    max_seconds: float = 600.0,
+    max_minutes: float = 10.0,
     seed: int | None = None,
     threads: int | None = None,
     confirm: bool = False,
     explore: bool = True,
+    dry_run: bool = False,
+    record: Path | None = None,
     out: Path | None = None,
     force: bool = False,
 ) -> bool:
-    """Search, print each step, and write video, path, final view and the steps if a folder is given.
+    """Search, show each step, keep it if a folder for a recording is given, and report it if one for that is.
 
     Returns:
         Whether the agent says that it found what it searched for.
 
     Raises:
-        UserError: if the picture, the agent, the robot or the output folder are not what they should be.
+        UserError: if the picture, the agent, the robot, a limit or a folder are not what they should be.
     """
     image = read_image(picture)
-    if out is not None and out.exists() and not force and any(out.iterdir()):
-        raise OutputExistsError(f"{out} is not empty; give another --out, or --force to replace what is in it")
+    check_limits(max_steps, max_minutes)
+    if record is not None:
+        check_folder(record, force)
+    if out is not None:
+        check_report(out, force)
     agent = ActivePerceiver.from_pretrained(agent_folder, threads, confirm=confirm, explore=explore)
 
     def actions_in(name: str) -> tuple[Action, ...]:
@@ -56,70 +64,56 @@ def search_command(
     place = robot_at(robot, actions_in, start, seed)
     if branch is None and place.name in agent.config.branches:
         branch = place.name
-    with place.robot as driven:
-        print(f"searching for {picture.name} in {place.name}, from {place.start}, at most {max_steps} actions")
-        record = search(
-            agent, driven, image, branch=branch, max_steps=max_steps, max_seconds=max_seconds, seed=seed,
-            on_glimpse=_print_glimpse,
+    setup = SearchSetup(
+        picture=picture.name, agent=str(agent_folder), robot=robot, place=place.name, start=place.start,
+        branch=branch, actions=actions_in(place.name), max_steps=max_steps, max_minutes=max_minutes, seed=seed,
+        confirm=confirm, explore=explore, dry_run=dry_run,
+        started=datetime.now().astimezone().isoformat(timespec="seconds"), software=__version__,
+        floor=None if place.scene is None else Floor.of(place.scene),
+    )  # fmt: skip
+    with ExitStack() as stack:
+        driven = stack.enter_context(place.robot)
+        print(_announced(setup))
+        recorder = None
+        if record is not None:
+            recorder = stack.enter_context(Recorder(record, setup, image, force=force))
+            stack.enter_context(_saying_where(recorder))
+        watch = stack.enter_context(watching(setup))
+
+        def looked(number: int, glimpse: Glimpse) -> None:
+            if recorder is not None:
+                recorder.keep(glimpse)
+            watch(number, glimpse)
+
+        done = search(
+            agent, driven, image, branch=branch, max_steps=max_steps, max_minutes=max_minutes, seed=seed,
+            dry_run=dry_run, on_glimpse=looked,
         )  # fmt: skip
-    print(verdict(record))
+        if recorder is not None:
+            recorder.end(done)
+    print(verdict(done))
+    if record is not None:
+        print(f"recorded in {record}; `active-perceiver report {record}` makes a video and a page of it")
     if out is not None:
-        write_search(record, place.scene, picture.stem, out, place.name)
-        path = "" if place.scene is None else "path.png, "
-        print(f"written: {out}/search.mp4, {path}final.png, search.json")
-    return record.found
+        write_report(Recording(setup, done), out)
+    return done.found
 
 
-def _print_glimpse(actions: int, glimpse: Glimpse) -> None:
-    step = glimpse.step
-    seen = (
-        "-"
-        if step.detection is None
-        else f"{step.detection.score:.2f}, {100 * step.detection.area:.1f} % of the view"
-    )
-    print(f"{actions:>4}  sees {seen:<26} {'found' if step.found else step.action.value}", flush=True)
+def _announced(setup: SearchSetup) -> str:
+    most = f"at most {setup.max_steps} {'looks, without moving' if setup.dry_run else 'actions'}"
+    return f"searching for {setup.picture} in {setup.place}, from {setup.start}, {most}"
 
 
-def verdict(record: SearchRecord) -> str:
-    """One line on how a search ended."""
-    if record.found:
-        return f"found after {record.actions} actions in {record.seconds:.1f} s"
-    return f"not found: gave up after {record.actions} actions, {record.seconds:.1f} s"
-
-
-def write_search(record: SearchRecord, scene: Scene | None, label: str, out: Path, name: str) -> None:
-    """Write `search.mp4`, `path.png`, `final.png` and `search.json` into a folder.
-
-    Args:
-        record: the search.
-        scene: for the floor plan; without it there is no `path.png`.
-        label: name of what was searched.
-        out: the folder.
-        name: of the scene or room.
-    """
-    write_video(record, out / "search.mp4", scene, label, force=True)
-    if scene is not None:
-        with replacing(out / "path.png") as temporary:
-            temporary.write_bytes(path_png(record, scene, label))
-    last = record.glimpses[-1]
-    with replacing(out / "final.png") as temporary:
-        Image.fromarray(draw_detection(last.image, last.step.detection, label)).save(temporary)
-    steps = [
-        {
-            "pose": glimpse.pose,
-            "action": glimpse.step.action.value,
-            "score": None if glimpse.step.detection is None else glimpse.step.detection.score,
-            "box": None if glimpse.step.detection is None else glimpse.step.detection.box.tolist(),
-            "probabilities": glimpse.step.probabilities.tolist(),
-            "found": glimpse.step.found,
-        }
-        for glimpse in record.glimpses
-    ]
-    body = {"scene": name, "found": record.found, "actions": record.actions, "seconds": record.seconds}
-    write_result(out / "search.json", "search", {**body, "steps": steps})
-
-
-def path_png(record: SearchRecord, scene: Scene, label: str, goals: np.ndarray | None = None) -> bytes:
-    """The search's path on the floor plan, with the goal states if they are known."""
-    poses = [glimpse.pose for glimpse in record.glimpses if glimpse.pose is not None]
-    return figure_png(trajectory_figure(scene, [np.array(poses)], goals, f"{label}: {record.actions} actions"))
+@contextmanager
+def _saying_where(recorder: Recorder) -> Iterator[None]:
+    """Say where a search is kept that does not end by itself."""
+    try:
+        yield
+    except BaseException:
+        if recorder.looks:
+            folder = recorder.folder
+            console.print(
+                f"what was seen until then is kept in {folder}; `active-perceiver report {folder}` shows it",
+                highlight=False, markup=False, soft_wrap=True,
+            )  # fmt: skip
+        raise

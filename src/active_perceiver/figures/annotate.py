@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from active_perceiver.figures.style import BOX, font
+from active_perceiver.figures.style import BOX, PADDING, fitting, font
 from active_perceiver.recognition.recogniser import Detection
 
 
 def draw_detection(
     image: NDArray[np.uint8], detection: Detection | None, label: str, size: int = 600
 ) -> NDArray[np.uint8]:
-    """Scale a view and draw the box on it.
+    """Scale a view and draw the box on it; a view that is not square lies in the middle of a square.
 
     Args:
         image: (H, W, 3) uint8 RGB.
@@ -24,7 +24,11 @@ def draw_detection(
     Returns:
         (size, size, 3) uint8.
     """
-    canvas = Image.fromarray(image).resize((size, size), Image.Resampling.LANCZOS)
+    # A box tells fractions of a square: the agent fills up a view that is not one (see `square_image`).
+    height, width = (max(1, round(side * size / max(image.shape[:2]))) for side in image.shape[:2])
+    view = Image.fromarray(image).resize((width, height), Image.Resampling.LANCZOS)
+    canvas = Image.new("RGB", (size, size), PADDING)
+    canvas.paste(view, ((size - width) // 2, (size - height) // 2))
     if detection is None:
         return np.asarray(canvas)
     draw = ImageDraw.Draw(canvas)
@@ -32,7 +36,8 @@ def draw_detection(
     left, top = np.clip(centre - extent / 2, 0, size - 1)
     right, bottom = np.clip(centre + extent / 2, 0, size - 1)
     draw.rectangle((left, top, right, bottom), outline=BOX, width=max(2, size // 150))
-    text, letters = f"{label} {detection.score:.2f}", font(max(12, size // 30))
+    height = max(12, size // 30)
+    text, letters = f"{fitting(label, size // 2, height)} {detection.score:.2f}", font(height)
     _, _, wide, high = draw.textbbox((0, 0), text, font=letters)
     x = min(left, size - wide - 8)
     y = top - high - 8 if top > high + 8 else min(bottom + 2, size - high - 8)

@@ -34,12 +34,11 @@ def filmstrip(record: SearchRecord, scene: Scene, label: str, views: int = 4) ->
         (H, W, 3) uint8.
     """
     tiles = [(square_image(record.picture, TILE), f"find this {label.replace('_', ' ')}")]
-    last = len(record.glimpses) - 1
     for index in key_glimpses(record, views):
         glimpse = record.glimpses[index]
-        ending = "found" if record.found else "not found"
-        caption = f"{index}: {ending if index == last else glimpse.step.action.value}"
-        tiles.append((draw_detection(glimpse.image, glimpse.step.detection, label, TILE), caption))
+        tiles.append(
+            (draw_detection(glimpse.image, glimpse.step.detection, label, TILE), f"{index}: {record.caption(index)}")
+        )
     poses = np.array([glimpse.pose for glimpse in record.glimpses if glimpse.pose is not None])
     plan = figure_image(trajectory_figure(scene, [poses]))
     tiles.append((square_image(plan, TILE), f"the path, {record.actions} actions"))

@@ -6,6 +6,7 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,13 +17,29 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from active_perceiver.figures.style import FLOOR, GOAL, INK, MUTED, OBSTACLE, OBSTACLE_EDGE, PATHS, START
-from active_perceiver.scenes import Scene
+from active_perceiver.scenes import FloorPlan
 
 PANELS_PER_ROW = 4
 # Metres between two searches drawn on the same lattice edge, and between the first and the last of many.
 _APART, _SPREAD = 0.05, 0.22
 # Metres around the places of a scene without a floor plan: arrows that stand there and look outwards fit.
 _AROUND = 0.3
+# Half the width in metres of what is shown, at least, around a path in a room of which nothing is known.
+_LEAST_HALF = 1.0
+
+
+class Room(Protocol):
+    """What is drawn of a room; a `Scene` has it."""
+
+    @property
+    def poses(self) -> NDArray[np.floating]:
+        """(S, 4): x, z in metres of where a robot can stand; heading and tilt."""
+        ...
+
+    @property
+    def floor_plan(self) -> FloorPlan | None:
+        """Walls and obstacles, if known."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +57,32 @@ class SearchPanel:
     goals: NDArray[np.bool_] | None = None
 
 
-def draw_floor(axes: Axes, scene: Scene, details: bool = True) -> None:
+def draw_room(axes: Axes, room: Room | None, paths: Sequence[ArrayLike]) -> None:
+    """Draw the room of searches: its floor, or, where nothing is known of it, a grid of metres around the paths.
+
+    Args:
+        axes: where.
+        room: what is known of it.
+        paths: whole searches, each (N, 4) poses; at least one if nothing is known of the room.
+    """
+    if room is not None:
+        draw_floor(axes, room)
+        return
+    places = np.concatenate([np.asarray(path, float)[:, :2] for path in paths])
+    low, high = places.min(0), places.max(0)
+    half = max(float((high - low).max()) / 2 + _AROUND, _LEAST_HALF)
+    x, z = ((low + high) / 2).tolist()
+    axes.set(xlim=(x - half, x + half), ylim=(z - half, z + half), aspect="equal")
+    axes.set_xlabel("x, m", fontsize=9, color=MUTED)
+    axes.set_ylabel("z, m", fontsize=9, color=MUTED)
+    axes.tick_params(labelsize=8, colors=MUTED)
+    axes.grid(color=FLOOR, linewidth=1.2)
+    axes.set_axisbelow(True)
+    for spine in axes.spines.values():
+        spine.set_color(OBSTACLE_EDGE)
+
+
+def draw_floor(axes: Axes, scene: Room, details: bool = True) -> None:
     """Draw the floor plan, or just the places if the scene has no plan, in metres.
 
     Args:
@@ -124,14 +166,14 @@ def _fan_out(poses: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 def trajectory_figure(
-    scene: Scene, paths: Sequence[ArrayLike], goals: NDArray[np.bool_] | None = None, title: str = ""
+    scene: Room | None, paths: Sequence[ArrayLike], goals: NDArray[np.bool_] | None = None, title: str = ""
 ) -> Figure:
     """One floor plan with goal states (green arrows) and paths (blue, from an orange start).
 
     Args:
-        scene: the room.
-        paths: each (N, 4) poses.
-        goals: (S,) bool, goal states of the target.
+        scene: the room; None if nothing is known of it.
+        paths: each (N, 4) poses; at least one without a room.
+        goals: (S,) bool, goal states of the target, in a room that is known.
         title: above the plan.
     """
     figure = Figure(figsize=(5, 5), dpi=130, layout="constrained")
@@ -139,7 +181,7 @@ def trajectory_figure(
     return figure
 
 
-def trajectory_panels(scene: Scene, panels: Sequence[SearchPanel], title: str = "") -> Figure:
+def trajectory_panels(scene: Room, panels: Sequence[SearchPanel], title: str = "") -> Figure:
     """Several floor plans of one room side by side, up to four in a row, for instance one for each target.
 
     Args:
@@ -166,7 +208,7 @@ def trajectory_panels(scene: Scene, panels: Sequence[SearchPanel], title: str = 
     return figure
 
 
-def panel_size(scene: Scene, longest: float) -> tuple[float, float]:
+def panel_size(scene: Room, longest: float) -> tuple[float, float]:
     """Width and height in inches of a plan whose longer side is `longest`; a very narrow room gets some margin."""
     plan = scene.floor_plan
     extent = np.ptp(scene.poses[:, :2] if plan is None else plan.outline, axis=0).astype(float)
@@ -175,11 +217,13 @@ def panel_size(scene: Scene, longest: float) -> tuple[float, float]:
     return width, height
 
 
-def _draw_panel(axes: Axes, scene: Scene, panel: SearchPanel) -> None:
-    draw_floor(axes, scene)
-    if panel.goals is not None:
-        if np.shape(panel.goals) != (len(scene),):
-            raise ValueError(f"goals are one bool for each of {len(scene)} states, got shape {np.shape(panel.goals)}")
+def _draw_panel(axes: Axes, scene: Room | None, panel: SearchPanel) -> None:
+    draw_room(axes, scene, panel.paths)
+    if scene is not None and panel.goals is not None:
+        if np.shape(panel.goals) != (len(scene.poses),):
+            raise ValueError(
+                f"goals are one bool for each of {len(scene.poses)} states, got shape {np.shape(panel.goals)}"
+            )
         draw_poses(axes, scene.poses[np.asarray(panel.goals, bool)], GOAL)
     count = len(panel.paths)
     shifts = (np.arange(count) - (count - 1) / 2) * min(_APART, _SPREAD / max(1, count))

@@ -15,6 +15,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
+from active_perceiver.files import flush_folder
 from active_perceiver.labelling.view_labels import LabelError, ViewLabels
 from active_perceiver.scenes.scene import Scene
 
@@ -173,18 +174,6 @@ class Journal:
 
     def _not_kept(self, error: OSError) -> JournalError:
         return JournalError(f"{self.path} cannot be written ({error.strerror}); nothing more is kept until it can be")
-
-
-def flush_folder(folder: Path) -> None:
-    """Make sure that the names of new files in a folder are on the disk."""
-    try:
-        file = os.open(folder, os.O_RDONLY)
-    except OSError:  # a folder cannot be opened on Windows
-        return
-    try:
-        os.fsync(file)
-    finally:
-        os.close(file)
 
 
 def _is_at(file: int, path: Path) -> bool:

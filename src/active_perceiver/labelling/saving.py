@@ -6,7 +6,8 @@ import os
 import threading
 from pathlib import Path
 
-from active_perceiver.labelling.journal import Journal, JournalError, flush_folder, journal_path
+from active_perceiver.files import flush_folder
+from active_perceiver.labelling.journal import Journal, JournalError, journal_path
 from active_perceiver.labelling.view_labels import LabelError, ViewLabels, labels_of, with_labels
 from active_perceiver.scenes import Scene, load_scene, save_scene
 

@@ -12,6 +12,17 @@ from numpy.typing import NDArray
 from active_perceiver.errors import UserError
 from active_perceiver.perceiver import ActivePerceiver, Step
 from active_perceiver.robots.robot import Robot
+from active_perceiver.scenes import Action, decode_image
+
+FOUND, MAX_STEPS, MAX_MINUTES = "found", "max steps", "max minutes"
+"""Why a search ended by itself. Recordings know of more reasons."""
+
+DRY_PAUSE = 0.5
+"""Seconds between two looks of a dry run: nothing that a camera is held at changes faster."""
+
+
+class SearchLimitError(UserError, ValueError):
+    """A limit of a search that no search can keep to."""
 
 
 @dataclass(frozen=True)
@@ -19,36 +30,84 @@ class Glimpse:
     """One moment of a search.
 
     Attributes:
-        image: (H, W, 3) uint8 RGB, what the robot saw.
+        frame: what the robot saw, as the robot gave it: (H, W, 3) uint8 RGB, or an encoded image.
         pose: where it stood, if it knows.
         step: what the agent made of it.
+        moved: whether the action before this look moved the robot; None at the first look, in a dry run and where the
+            robot does not say.
+        seconds: since the search began, when the agent had decided.
     """
 
-    image: NDArray[np.uint8] = field(repr=False)
+    frame: NDArray[np.uint8] | bytes = field(repr=False)
     pose: tuple[float, float, float, float] | None
     step: Step
+    moved: bool | None = None
+    seconds: float = 0.0
+
+    @property
+    def image(self) -> NDArray[np.uint8]:
+        """What the robot saw, (H, W, 3) uint8 RGB; an encoded frame is decoded each time."""
+        return decode_image(self.frame, "the robot's image") if isinstance(self.frame, bytes) else self.frame
 
 
 @dataclass(frozen=True)
 class SearchRecord:
-    """A finished search.
+    """A search that has ended.
 
     Attributes:
         picture: (H, W, 3) uint8 RGB, what was searched.
         glimpses: every look in order; the last one is where the search ended.
-        found: whether the agent says that it found the object; if not, a limit was reached.
+        found: whether the agent says that it found the object, in a dry run at any look.
         seconds: wall time.
+        reason: why it ended: `FOUND`, `MAX_STEPS`, `MAX_MINUTES`, or another that a recording gives.
+        dry_run: whether it only looked and decided.
     """
 
     picture: NDArray[np.uint8] = field(repr=False)
     glimpses: tuple[Glimpse, ...] = field(repr=False)
     found: bool
     seconds: float
+    reason: str
+    dry_run: bool = False
 
     @property
     def actions(self) -> int:
         """Number of actions carried out."""
-        return len(self.glimpses) - 1
+        return 0 if self.dry_run else len(self.glimpses) - 1
+
+    @property
+    def ending(self) -> str:
+        """How it ended, in a word or two."""
+        if self.dry_run:
+            return "end of the dry run"
+        if self.found:
+            return "found"
+        return "not found" if self.reason in (MAX_STEPS, MAX_MINUTES) else self.reason.partition(":")[0]
+
+    def moved(self, look: int) -> bool | None:
+        """Whether the action that was chosen at a look moved the robot; None if none followed, or nobody knows."""
+        return self.glimpses[look + 1].moved if look + 1 < len(self.glimpses) else None
+
+    def caption(self, look: int) -> str:
+        """What follows from a look, in a few words: an action, or how the search ended."""
+        glimpse = self.glimpses[look]
+        if self.dry_run:
+            return "would say found" if glimpse.step.found else f"would {glimpse.step.action.value}"
+        if look == len(self.glimpses) - 1:
+            return self.ending
+        return glimpse.step.action.value + (", blocked" if self.moved(look) is False else "")
+
+
+def check_limits(max_steps: int, max_minutes: float) -> None:
+    """Refuse limits that no search can keep to.
+
+    Raises:
+        SearchLimitError: if fewer than 1 action, or no time, is allowed.
+    """
+    if max_steps < 1:
+        raise SearchLimitError(f"a search needs at least 1 action, got max_steps {max_steps}; give 1 or more")
+    if not max_minutes > 0:  # NaN neither
+        raise SearchLimitError(f"a search needs some time, got max_minutes {max_minutes}; give more than 0")
 
 
 def search(
@@ -58,8 +117,10 @@ def search(
     *,
     branch: str | None = None,
     max_steps: int = 200,
-    max_seconds: float = float("inf"),
+    max_minutes: float = float("inf"),
     seed: int | None = None,
+    dry_run: bool = False,
+    pause: float = DRY_PAUSE,
     on_glimpse: Callable[[int, Glimpse], None] | None = None,
 ) -> SearchRecord:
     """Search for the object in a picture.
@@ -71,30 +132,50 @@ def search(
         robot: looks and acts.
         picture: (H, W, 3) uint8 RGB, the object on its own.
         branch: the scene whose policy branch to use; needed only if the agent has several.
-        max_steps: give up after so many actions.
-        max_seconds: give up after so much time.
+        max_steps: give up after so many actions; of a dry run, so many looks.
+        max_minutes: give up after so much time.
         seed: the agent's draws of actions follow from it.
-        on_glimpse: called after every look with the number of actions so far.
+        dry_run: only look and decide, `max_steps` times, whether found or not: nothing moves. Each look is the first
+            of a search, so that a robot that stands still is not taken for one that is caught.
+        pause: seconds between two looks of a dry run.
+        on_glimpse: called after every look with the number of looks before it, before the robot moves on.
 
     Raises:
-        UserError: if the robot's actions are not those the policy was trained for, or the branch is unknown.
+        UserError: if the robot's actions are not those the policy was trained for, the branch is unknown, or a limit
+            makes no sense.
     """
     started = time.monotonic()
     glimpses: list[Glimpse] = []
+    act: Callable[[Action], bool | None] = robot.do  # a robot may not say whether it moved
+    moved: bool | None = None
     try:
+        check_limits(max_steps, max_minutes)
         agent.reset(picture, scene=branch, seed=seed)
         if tuple(robot.actions) != agent.actions:
             ours, theirs = (", ".join(a.value for a in actions) for actions in (agent.actions, robot.actions))
             raise UserError(f"the policy was trained for the actions {ours}; this robot has {theirs}")
         while True:
-            image = robot.look()
-            glimpse = Glimpse(image, robot.pose(), agent.act(image))
-            glimpses.append(glimpse)
+            frame = robot.look()
+            pose = robot.pose()
+            step = agent.act(frame)
+            glimpses.append(Glimpse(frame, pose, step, moved, time.monotonic() - started))
             if on_glimpse is not None:
-                on_glimpse(len(glimpses) - 1, glimpse)
-            out_of_time = time.monotonic() - started > max_seconds
-            if glimpse.step.found or len(glimpses) > max_steps or out_of_time:
-                return SearchRecord(picture, tuple(glimpses), glimpse.step.found, time.monotonic() - started)
-            robot.do(glimpse.step.action)
+                on_glimpse(len(glimpses) - 1, glimpses[-1])
+            seconds = time.monotonic() - started
+            reason = None
+            if step.found and not dry_run:
+                reason = FOUND
+            elif len(glimpses) >= max_steps + (not dry_run):
+                reason = MAX_STEPS
+            elif seconds > 60 * max_minutes:
+                reason = MAX_MINUTES
+            if reason is not None:
+                found = any(glimpse.step.found for glimpse in glimpses)
+                return SearchRecord(picture, tuple(glimpses), found, seconds, reason, dry_run)
+            if dry_run:
+                time.sleep(pause)
+                agent.reset(picture, scene=branch, seed=None if seed is None else seed + len(glimpses))
+            else:
+                moved = act(step.action)
     finally:
         robot.stop()

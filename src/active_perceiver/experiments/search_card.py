@@ -1,0 +1,69 @@
+"""One search on a page: what was searched, the last view, the path, the video and views on the way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.figures import page
+from active_perceiver.figures.annotate import draw_detection
+from active_perceiver.figures.filmstrip import key_glimpses
+from active_perceiver.figures.floor import Room, figure_png, trajectory_figure
+from active_perceiver.robots import SearchRecord
+from active_perceiver.scenes.images import encode_image, square_image
+
+STRIP_VIEWS = 8
+
+
+def search_card(
+    record: SearchRecord,
+    label: str,
+    verdict: str,
+    video: bytes,
+    room: Room | None,
+    goals: NDArray[np.bool_] | None = None,
+) -> str:
+    """A piece of a page.
+
+    Args:
+        record: the search.
+        label: name of what was searched.
+        verdict: how it ended, beside the title.
+        video: MP4 of the search.
+        room: for the path; on plain axes if it is not known.
+        goals: (S,) bool, goal states of a room that is known.
+    """
+    last = record.glimpses[-1]
+    figures = [
+        page.picture(encode_image(square_image(record.picture, 300)), ".webp", "what to search for"),
+        page.picture(
+            encode_image(draw_detection(last.image, last.step.detection, label)),
+            ".webp",
+            f"the last view: {record.ending}",
+        ),
+    ]
+    path = path_png(record, label, room, goals)
+    if path is not None:
+        note = "the path, from the orange point to the arrow" if goals is None else "the path; green: goal states"
+        figures.append(page.picture(path, ".png", note))
+    figures.append(page.video(video, "the search"))
+    steps = [
+        page.picture(
+            encode_image(draw_detection(glimpse.image, glimpse.step.detection, label, 240)),
+            ".webp",
+            f"{look}: {record.caption(look)}",
+        )
+        for look, glimpse in ((look, record.glimpses[look]) for look in key_glimpses(record, STRIP_VIEWS))
+    ]
+    title = f'<h3>{page.text(label)} <span class="muted">{page.text(verdict)}</span></h3>'
+    return f'<section class="card">{title}{page.row(figures)}{page.strip(steps)}</section>'
+
+
+def path_png(
+    record: SearchRecord, label: str, room: Room | None, goals: NDArray[np.bool_] | None = None
+) -> bytes | None:
+    """The search's path in the room, with the goal states if they are known; None if no pose is known."""
+    poses = [glimpse.pose for glimpse in record.glimpses if glimpse.pose is not None]
+    if not poses:
+        return None
+    return figure_png(trajectory_figure(room, [np.array(poses)], goals, f"{label}: {record.actions} actions"))

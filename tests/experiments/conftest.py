@@ -1,0 +1,29 @@
+"""An agent that was never trained: it wanders about and never says found. Made in a second."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from active_perceiver.experiments.benchmarks.untrained_agent import save_untrained_agent
+from active_perceiver.scenes import Scene
+from active_perceiver.vision import load_backbone
+from small import SIZE
+
+
+@pytest.fixture(scope="session")
+def wanderer(scene: Scene, cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the agent."""
+    folder = tmp_path_factory.mktemp("wanderer") / "agent"
+    save_untrained_agent(folder, load_backbone(image_size=SIZE, threads=1), scene, ["ball0"])
+    return folder
+
+
+@pytest.fixture(scope="session")
+def ball(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A picture of what it is to search for."""
+    path = tmp_path_factory.mktemp("pictures") / "ball.png"
+    Image.fromarray(scene.targets[0].picture(0)).save(path)
+    return path
