@@ -30,6 +30,7 @@ from toy import STEP, toy_scene
 
 SETTINGS = ThorSettings(grid=STEP, image_size=48)
 TYPES = ("Mug", "Apple", "Mug")
+WRITTEN = {"search.mp4", "report.html", "path.png", "final.png", "search.json"}
 needs_client = pytest.mark.skipif(
     thor_controller.ai2thor is None, reason="ai2thor is not installed: pip install 'active-perceiver[thor]'"
 )
@@ -186,7 +187,7 @@ def test_search_finds_in_it(scene, agent_folder, tmp_path, monkeypatch, capsys):
     assert "found after" in said
     assert started[-1].stopped == 1
     written = {path.name for path in (tmp_path / "run").iterdir()}
-    assert written == {"search.mp4", "path.png", "final.png", "search.json"}
+    assert written == WRITTEN
 
 
 def captured(scene, folder):
@@ -198,7 +199,7 @@ def captured(scene, folder):
 
 
 @pytest.mark.xdist_group("agent")
-def test_search_without_a_scene_file_has_no_floor_plan(agent_folder, tmp_path, monkeypatch, capsys):
+def test_search_without_a_scene_file_needs_no_floor_plan(agent_folder, tmp_path, monkeypatch, capsys):
     quarter = toy_scene()
     moved = np.array([0.25 / STEP, 0.25 / STEP, 1, 1], np.float32)
     quarter.poses[:] = quarter.poses * moved
@@ -210,7 +211,7 @@ def test_search_without_a_scene_file_has_no_floor_plan(agent_folder, tmp_path, m
          "--max-steps", "5", "--seed", "0", "--out", str(tmp_path / "run")]
     )  # fmt: skip
     assert "in FloorPlan1, from x " in capsys.readouterr().out
-    assert {path.name for path in (tmp_path / "run").iterdir()} == {"search.mp4", "final.png", "search.json"}
+    assert {path.name for path in (tmp_path / "run").iterdir()} == WRITTEN
 
 
 def test_a_robot_that_cannot_begin_ends_the_simulator(scene, monkeypatch):

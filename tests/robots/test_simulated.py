@@ -3,14 +3,17 @@
 import numpy as np
 import pytest
 
+from active_perceiver.errors import UserError
 from active_perceiver.robots.body import BodyError, Slip
 from active_perceiver.robots.motion import Limits, MotionError
-from active_perceiver.robots.simulated import SimulatedRobot, random_start
-from active_perceiver.rooms.free_space import clearance
+from active_perceiver.robots.simulated import SimulatedRobot, lattice_start, random_start
+from active_perceiver.rooms.capturing.capture import HEADINGS
+from active_perceiver.rooms.free_space import clearance, free_positions
 from active_perceiver.rooms.layouts import LayoutError, make_room
 from active_perceiver.rooms.live_room import NAME, open_room
 from active_perceiver.rooms.nudging import NudgeError, nudged
 from active_perceiver.scenes import Action
+from active_perceiver.scenes.lattice import lattice_poses
 from box_room import BOX, DEPTH, TABLE, WIDTH, box_room
 from simulated_place import SETTINGS, START, simulated, small_room
 
@@ -109,7 +112,7 @@ def test_the_tilt_nearest_to_the_start_is_its_own():
     ("name", "parts"),
     [
         ("kitchen_1", ("kitchen_1", None, None)),
-        ("living_room_12_hour_dusk", ("living_room_12", "dusk", None)),
+        ("living_room_12_hour_low_sun", ("living_room_12", "low_sun", None)),
         ("conference_room_moved_2", ("conference_room", None, "2")),
         ("kitchen_1_hour_night_moved_9", ("kitchen_1", "night", "9")),
     ],
@@ -169,3 +172,12 @@ def test_most_things_of_a_real_room_are_nudged_and_run_into_nothing_new():
 def test_a_nudge_that_is_none_is_refused(most):
     with pytest.raises(NudgeError, match="can be nudged"):
         nudged(box_room(), most, 0)
+
+
+def test_a_start_on_the_lattice_is_a_state_of_the_scenes_of_the_room():
+    positions = free_positions(box_room(), SETTINGS.spacing, SETTINGS.robot_radius)
+    poses = lattice_poses(positions, HEADINGS, SETTINGS.tilts)  # as `capture` numbers them
+    for state in (0, 17, len(poses) - 1):
+        assert lattice_start(small_room(), state) == pytest.approx(poses[state], abs=1e-5)
+    with pytest.raises(UserError, match=f"states 0 to {len(poses) - 1}; there is no state {len(poses)}"):
+        lattice_start(small_room(), len(poses))

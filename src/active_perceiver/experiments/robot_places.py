@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from active_perceiver.errors import UserError
 from active_perceiver.robots import RecordedRobot, Robot
 from active_perceiver.robots.ai2thor import ThorRobot, ThorSettings, captured_settings, start_controller
-from active_perceiver.scenes import Action, Scene, open_scene
+from active_perceiver.scenes import Action, Scene, bundled_names, open_scene
 
 ActionsIn = Callable[[str], tuple[Action, ...]]
 
@@ -46,8 +48,8 @@ def robot_at(text: str, actions: ActionsIn, start: int | None = None, seed: int 
     kind, _, name = text.partition(":")
     if kind not in KINDS or not name:
         raise UserError(
-            f"'{text}' is no robot this version can drive; give scene:NAME or scene:FILE, or, for AI2-THOR, "
-            "thor:FloorPlan1 or thor:FILE of a scene captured there"
+            f"'{text}' is no robot this version can drive; give scene:NAME or scene:FILE, room:NAME for a simulated "
+            "TurtleBot in a rendered room, or, for AI2-THOR, thor:FloorPlan1 or thor:FILE of a scene captured there"
         )
     return KINDS[kind](name, actions, start, seed)
 
@@ -56,6 +58,22 @@ def _in_scene(name: str, actions: ActionsIn, start: int | None, seed: int | None
     scene = open_scene(name)
     robot = RecordedRobot(scene, start, seed)
     return Place(robot, scene.name, f"state {robot.state}", scene)
+
+
+def _in_room(name: str, actions: ActionsIn, start: int | None, seed: int | None) -> Place:
+    """A simulated robot in a rendered room: near a pose of the lattice, or exactly on the one that is given."""
+    from active_perceiver.robots.simulated import SimulatedRobot, lattice_start, open_room, random_start
+
+    room = open_room(name, seed=seed or 0)
+    pose = random_start(room, np.random.default_rng(seed)) if start is None else lattice_start(room, start)
+    robot = SimulatedRobot(room, pose, actions=actions(room.name), seed=seed)
+    scene = open_scene(room.name) if room.name in bundled_names() else None
+    return Place(robot, room.name, _words(pose), scene)
+
+
+def _words(pose: tuple[float, float, float, float]) -> str:
+    x, z, heading, tilt = pose
+    return f"x {x:.2f} m, z {z:.2f} m, heading {heading:.0f}, tilt {tilt:.0f}"
 
 
 def _in_thor(name: str, actions: ActionsIn, start: int | None, seed: int | None) -> Place:
@@ -69,12 +87,11 @@ def _in_thor(name: str, actions: ActionsIn, start: int | None, seed: int | None)
     except BaseException:
         controller.stop()
         raise
-    x, z, heading, tilt = robot.pose()
-    where = f"x {x:.2f} m, z {z:.2f} m, heading {heading:.0f}, tilt {tilt:.0f}"
-    return Place(robot, called, where, captured)
+    return Place(robot, called, _words(robot.pose()), captured)
 
 
 KINDS: dict[str, Callable[[str, ActionsIn, int | None, int | None], Place]] = {
     "scene": _in_scene,
+    "room": _in_room,
     "thor": _in_thor,
 }

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from active_perceiver.errors import UserError
 from active_perceiver.perceiver import ActivePerceiver, Step
 from active_perceiver.robots.robot import Robot
-from active_perceiver.scenes import Action, decode_image
+from active_perceiver.scenes import decode_image
 
 FOUND, MAX_STEPS, MAX_MINUTES = "found", "max steps", "max minutes"
 """Why a search ended by itself. Recordings know of more reasons."""
@@ -33,8 +33,7 @@ class Glimpse:
         frame: what the robot saw, as the robot gave it: (H, W, 3) uint8 RGB, or an encoded image.
         pose: where it stood, if it knows.
         step: what the agent made of it.
-        moved: whether the action before this look moved the robot; None at the first look, in a dry run and where the
-            robot does not say.
+        moved: whether the action before this look moved the robot; None at the first look and in a dry run.
         seconds: since the search began, when the agent had decided.
     """
 
@@ -146,7 +145,6 @@ def search(
     """
     started = time.monotonic()
     glimpses: list[Glimpse] = []
-    act: Callable[[Action], bool | None] = robot.do  # a robot may not say whether it moved
     moved: bool | None = None
     try:
         check_limits(max_steps, max_minutes)
@@ -157,7 +155,7 @@ def search(
         while True:
             frame = robot.look()
             pose = robot.pose()
-            step = agent.act(frame)
+            step = agent.act(frame, moved)
             glimpses.append(Glimpse(frame, pose, step, moved, time.monotonic() - started))
             if on_glimpse is not None:
                 on_glimpse(len(glimpses) - 1, glimpses[-1])
@@ -176,6 +174,6 @@ def search(
                 time.sleep(pause)
                 agent.reset(picture, scene=branch, seed=None if seed is None else seed + len(glimpses))
             else:
-                moved = act(step.action)
+                moved = robot.do(step.action)
     finally:
         robot.stop()

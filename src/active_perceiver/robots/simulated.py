@@ -16,9 +16,11 @@ from typing_extensions import Self
 from active_perceiver.errors import UserError
 from active_perceiver.robots.body import Body, Slip
 from active_perceiver.robots.motion import Driver, Limits
-from active_perceiver.rooms.live_room import LiveRoom
+from active_perceiver.rooms.live_room import LiveRoom, open_room
 from active_perceiver.scenes import Action
-from active_perceiver.scenes.lattice import LOOK
+from active_perceiver.scenes.lattice import LOOK, lattice_poses
+
+__all__ = ["LiveRoom", "Pose", "SimulatedRobot", "lattice_start", "open_room", "random_start"]
 
 HEADINGS = (0.0, 90.0, 180.0, 270.0)
 # Places drawn near a lattice's until one is free.
@@ -131,3 +133,16 @@ def random_start(room: LiveRoom, rng: np.random.Generator, centimetres: float = 
             heading = HEADINGS[rng.integers(len(HEADINGS))] + rng.uniform(-degrees, degrees)
             return float(x), float(z), float(heading % 360), float(rng.choice(room.settings.tilts))
     raise UserError(f"no free place was found within {centimetres:g} cm of the lattice of {room.name}")
+
+
+def lattice_start(room: LiveRoom, state: int) -> Pose:
+    """The pose of a state of the scenes that are captured in a room.
+
+    Raises:
+        UserError: if there is no such state.
+    """
+    poses = lattice_poses(room.places(), HEADINGS, room.settings.tilts)
+    if not 0 <= state < len(poses):
+        raise UserError(f"{room.name} has states 0 to {len(poses) - 1}; there is no state {state}")
+    x, z, heading, tilt = (float(value) for value in poses[state])
+    return x, z, heading, tilt

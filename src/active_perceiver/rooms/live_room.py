@@ -21,7 +21,7 @@ from active_perceiver.rooms.nudging import nudged
 from active_perceiver.scenes import bundled_names, open_scene
 
 # As scene files are named: kitchen_1, kitchen_1_hour_dusk, kitchen_1_moved_2, kitchen_1_hour_dusk_moved_2.
-NAME = re.compile(r"(?P<scene>[a-z_]+?(_\d+)?)(_hour_(?P<hour>[a-z]+))?(_moved_(?P<moved>\d+))?")
+NAME = re.compile(r"(?P<scene>[a-z_]+?(_\d+)?)(_hour_(?P<hour>[a-z_]+?))?(_moved_(?P<moved>\d+))?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,10 +100,12 @@ def open_room(
             "and a number, kitchen_1 for example, and perhaps an hour or an arrangement: kitchen_1_hour_dusk, "
             "kitchen_1_moved_2"
         )
-    hour, moved = (found["hour"], found["moved"]) if found else (None, None)
+    hour, moved = found.group("hour", "moved") if found else (None, None)
     settings = settings or DEFAULT_SETTINGS.get(layout, CaptureSettings())
     with progress(f"light of {name}") as report:
-        room = make_room(layout, seed_of_room, hour=hour, moved=None if moved is None else int(moved))
+        room = make_room(
+            layout, seed_of_room, hour=hour and hour.replace("_", " "), moved=None if moved is None else int(moved)
+        )
         if nudge:
             room = nudged(room, nudge, seed)
         baked = bake(room, settings.bake_rays, settings.bounces, seed_of_room, report)
