@@ -96,11 +96,12 @@ def test_a_killed_search_leaves_a_recording_that_makes_a_report(wanderer, ball, 
     assert "the search was killed" in (tmp_path / "run" / "report.html").read_text()
 
 
-def test_ctrl_c_is_noted_and_ends_with_130(wanderer, ball, scene_file, tmp_path):
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_a_request_to_end_are_noted_and_end_with_130(wanderer, ball, scene_file, tmp_path, how):
     child = begun(
         wanderer, ball, scene_file, tmp_path / "run", stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    child.send_signal(signal.SIGINT)
+    child.send_signal(how)
     out, error = child.communicate(timeout=LONG)
     assert child.returncode == 130
     assert "Traceback" not in error

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import datetime
 from pathlib import Path
+from types import FrameType
 
 from active_perceiver import __version__
 from active_perceiver.experiments.live_view import watching
@@ -72,6 +74,7 @@ def search_command(
         floor=None if place.scene is None else Floor.of(place.scene),
     )  # fmt: skip
     with ExitStack() as stack:
+        stack.enter_context(_stopped_like_interrupted())
         driven = stack.enter_context(place.robot)
         print(_announced(setup))
         recorder = None
@@ -102,6 +105,20 @@ def search_command(
 def _announced(setup: SearchSetup) -> str:
     most = f"at most {setup.max_steps} {'looks, without moving' if setup.dry_run else 'actions'}"
     return f"searching for {setup.picture} in {setup.place}, from {setup.start}, {most}"
+
+
+@contextmanager
+def _stopped_like_interrupted() -> Iterator[None]:
+    """Take a request to end (SIGTERM) for Ctrl-C: the robot is stopped on the way out, and the recording says why."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
