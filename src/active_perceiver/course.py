@@ -65,7 +65,9 @@ class Course:
         self.lost = self.lost or earlier >= LOST
         if not self.lost:
             return flattened, found
-        if self._explorer.settled():
+        # A policy that led astray may have been led so by what it saw: a search that is lost takes two views to say
+        # found, unless it has been round the room and there is nothing better.
+        if (sight.found and self._nearly_before) or self._explorer.settled():
             return flattened, True
         certain = np.zeros(len(probabilities))
         certain[self._explorer.action()] = 1.0

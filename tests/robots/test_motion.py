@@ -86,7 +86,7 @@ def test_slip_adds_up_as_odometry_does_not_see_it():
 
 
 def test_a_blocked_way_is_driven_back():
-    base = base_in(lambda x, z: z < 0.4)
+    base = base_in(lambda x, z: z < 0.3)
     driver = Driver(base, Limits(), 0.75)
     assert not driver.do(Action.MOVE_AHEAD)
     assert base.body.collisions == 1
@@ -101,6 +101,23 @@ def test_a_blocked_way_to_the_side_ends_with_the_heading_it_began_with():
     assert not driver.do(Action.MOVE_RIGHT)
     assert abs(angle(base.body.heading)) < 3
     assert math.hypot(base.body.x, base.body.z) < 0.05
+
+
+@pytest.mark.parametrize(("action", "free"), [
+    (Action.MOVE_AHEAD, lambda x, z: z < 0.3),
+    (Action.MOVE_BACK, lambda x, z: z > -0.3),
+    (Action.MOVE_RIGHT, lambda x, z: x < 0.3),
+])  # fmt: skip
+def test_where_most_of_the_way_is_free_it_stays_at_its_end(action, free):
+    base = base_in(free)
+    driver = Driver(base, Limits(), 0.5)
+    assert driver.do(action)
+    assert math.hypot(base.body.x, base.body.z) == pytest.approx(0.27, abs=0.03)
+    assert abs(angle(base.body.heading)) < 3
+    # What it plans next begins there.
+    there = base.body.x, base.body.z
+    assert not driver.do(action)
+    assert math.hypot(base.body.x - there[0], base.body.z - there[1]) < 0.03
 
 
 def test_it_goes_to_a_point_anywhere_around():

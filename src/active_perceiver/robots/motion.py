@@ -21,6 +21,8 @@ EAGERNESS = 2.0
 STEERING, MOST_STEERING = 2.0, 15.0
 # A point this much to the side of the way, seen from the robot, is driven to after turning towards it.
 ASIDE = 45.0
+# Metres by which it backs away from what it ran into and stays at.
+BACKING = 0.03
 
 
 class MotionError(UserError, RuntimeError):
@@ -137,7 +139,7 @@ class Driver:
         self._turn = turn
 
     def do(self, action: Action) -> bool:
-        """Move one step or turn one turn. A way that is blocked is driven back.
+        """Move one step or turn one turn; see `go_to` for what becomes of a way that is blocked.
 
         Returns:
             Whether the base moved.
@@ -155,9 +157,12 @@ class Driver:
     def go_to(self, goal: Plan) -> bool:
         """Drive straight to a point of the odometry's frame, turning first if it lies aside, and turn to a heading.
 
+        If the way is blocked, it stays, a little back, where that is nearer to the goal than to where it came from,
+        and plans on from there: a robot that has drifted towards a wall has less than a step left. Else it goes back
+        to where it was planned to be, as far as it can, and turns to the heading that it had.
+
         Returns:
-            Whether it got there. If the way is blocked it drives back to where it was planned to be, as far as it
-            can, and turns to the heading that it had.
+            Whether it got there, or nearer to there.
 
         Raises:
             MotionError: if the motion exceeds a limit.
@@ -166,6 +171,11 @@ class Driver:
         try:
             if self._reach(goal):
                 self.plan = goal
+                return True
+            at = self._base.odometry()
+            if math.hypot(goal.x - at.x, goal.z - at.z) < math.hypot(before.x - at.x, before.z - at.z):
+                self.plan = _towards(at, before, BACKING, goal.heading)
+                self._reach(self.plan)
                 return True
             self._reach(before)
             return False
@@ -291,6 +301,12 @@ def ahead(here: Plan, metres: float, direction: float) -> Plan:
     """The point so far away in a direction relative to the heading, in degrees clockwise; the heading stays."""
     angle = math.radians(here.heading + direction)
     return Plan(here.x + metres * math.sin(angle), here.z + metres * math.cos(angle), here.heading)
+
+
+def _towards(at: Odometry, place: Plan, metres: float, heading: float) -> Plan:
+    """The point so far from where the base is towards a place."""
+    share = metres / max(metres, math.hypot(place.x - at.x, place.z - at.z))
+    return Plan(at.x + share * (place.x - at.x), at.z + share * (place.z - at.z), heading)
 
 
 def _angle(degrees: float) -> float:
