@@ -192,7 +192,7 @@ def test_a_robot_that_does_not_come_back_is_given_up():
     with moving(settings, then) as bridge:
         then.append(lambda: bridge.drop(60))
         with RosRobot(bridge.url, settings) as robot:
-            with pytest.raises(ConnectionLost, match=r"was lost: it was closed; after 2 attempts .*no rosbridge"):
+            with pytest.raises(ConnectionLost, match=r"was lost: it was closed, and 2 attempts .*no rosbridge"):
                 robot.do(Action.MOVE_AHEAD)
             assert comes_to_rest(bridge.body)
 

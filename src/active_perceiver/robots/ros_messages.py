@@ -53,7 +53,7 @@ def view_of(message: Message, crop: float) -> NDArray[np.uint8]:
         width, height = image.size
         side = max(1, round(crop * min(width, height)))
         left, top = (width - side) // 2, (height - side) // 2
-        return np.asarray(image.convert("RGB").crop((left, top, left + side, top + side)))
+        return np.array(image.convert("RGB").crop((left, top, left + side, top + side)))
 
 
 def place_of(message: Message) -> tuple[float, float, float]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+import reprlib
 import types
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from pathlib import Path
@@ -312,5 +313,5 @@ def _value(hint: Any, read: Any, at: str) -> Any:
 
 
 def _shown(read: Any) -> str:
-    text = repr(read)
-    return text if len(text) <= 60 else text[:57] + "..."
+    # A small file can stand for a huge structure; reprlib looks at its beginning only.
+    return reprlib.repr(read)

@@ -58,9 +58,8 @@ class RosBase:
         age, most = wheels.age(), self._settings.limits.odometry_age
         if age > most and (wheels.broken or wheels.repeated):
             raise RosError(f"there is no odometry since {age:.1f} s: {wheels.trouble()}; check the base's driver")
-        silent = time.monotonic() - self._link.heard
-        if age > most and silent > most:
-            raise ConnectionLost(f"nothing was heard from {self._link.url} for {silent:.1f} s")
+        if age > most:
+            self.check_heard(most)
         assert wheels.newest is not None  # a link that is open has seen some
         return Odometry(*wheels.newest, wheels.taken)
 
@@ -78,7 +77,8 @@ class RosBase:
         time.sleep(seconds)
         self.check()
         camera, stale = self._link.camera, self._settings.camera.stale
-        if (age := camera.age()) > stale and time.monotonic() - self._link.heard < stale:
+        if (age := camera.age()) > stale:
+            self.check_heard(stale)
             raise RosError(
                 f"the newest image is {age:.1f} s old, more than 'stale', {stale:g} s: {camera.trouble()}; the robot "
                 "was stopped: check its camera and the network"
@@ -88,6 +88,13 @@ class RosBase:
         """Raise ConnectionLost if there is no connection."""
         if self._link.lost is not None:
             raise ConnectionLost(f"the connection to {self._link.url} was lost: {self._link.lost}")
+
+    def check_heard(self, seconds: float) -> None:
+        """Raise ConnectionLost if one topic is silent for so long because nothing comes at all."""
+        # Not all topics fall silent in one moment, and whoever is asked first should know.
+        silent = time.monotonic() - self._link.heard
+        if silent > seconds / 2:
+            raise ConnectionLost(f"nothing was heard from {self._link.url} for {silent:.1f} s")
 
 
 class RosRobot:
@@ -205,9 +212,10 @@ class RosRobot:
             self.stop()
             self._aim()
             return
+        tried = f", and {patience.attempts} attempts to connect anew failed ({last})" if patience.attempts else ""
         raise ConnectionLost(
-            f"{cause or last}; after {patience.attempts} attempts to connect anew the search ends ({last}); the base "
-            "stops by itself: check the robot and the network"
+            f"{cause or 'no connection'}{tried}; the base stops by itself when no velocity comes: check the robot and "
+            "the network"
         ) from cause
 
     def close(self) -> None:
@@ -260,13 +268,11 @@ class RosRobot:
             if camera.taken >= self._still and camera.age() <= stale:
                 assert camera.newest is not None
                 return camera.newest
-            silent = time.monotonic() - self._link.heard
-            if silent > stale:
-                raise ConnectionLost(f"nothing was heard from {self._link.url} for {silent:.1f} s")
             if time.monotonic() > deadline:
+                self._base.check_heard(stale)
                 raise RosError(
-                    f"there is no image newer than {camera.age():.1f} s ('stale' is {stale:g} s): {camera.trouble()}; "
-                    "the robot was stopped: check its camera and the network"
+                    f"there is no image newer than {camera.age():.1f} s ('stale' is {stale:g} s): "
+                    f"{camera.trouble()}; the robot was stopped: check its camera and the network"
                 )
             time.sleep(0.01)
 
