@@ -1,8 +1,6 @@
 """What a robot behind rosbridge is like: presets, YAML files, and files that make no sense."""
 
 import math
-import subprocess
-import sys
 
 import pytest
 import yaml
@@ -117,12 +115,3 @@ def test_a_missing_file_names_the_presets(tmp_path):
     (tmp_path / "image.yaml").write_bytes(b"\xff\xd8\xff\xe0")
     with pytest.raises(RosSettingsError, match="it is not text"):
         load_settings(tmp_path / "image.yaml")
-
-
-def test_importing_the_robot_needs_neither_roslibpy_nor_yaml():
-    code = (
-        "import sys, active_perceiver.robots.rosbridge, active_perceiver.robots.simulated_bridge; "
-        "print({'roslibpy', 'twisted', 'yaml', 'websockets', 'torch'} & set(sys.modules))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.stdout.strip() == "set()", done.stderr

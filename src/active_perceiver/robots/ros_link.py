@@ -7,6 +7,7 @@ one.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
 import threading
@@ -165,10 +166,11 @@ class Link:
         client.factory.manager.run()
         while not ready.wait(0.01):
             # An attempt that has failed says so nowhere but in its state.
-            failed = client.factory.connector is not None and client.factory.connector.state == "disconnected"
-            if failed or closed.is_set() or time.monotonic() > deadline:
+            connector = client.factory.connector
+            refused = closed.is_set() or (connector is not None and connector.state == "disconnected")
+            if refused or time.monotonic() > deadline:
                 self.close()
-                how = "it refused" if failed or closed.is_set() else f"it did not answer within {timeout:g} s"
+                how = "it refused" if refused else f"it did not answer within {timeout:g} s"
                 raise ConnectionLost(
                     f"no rosbridge could be reached at {self.url} ({how}); check the address and that "
                     "rosbridge_server runs on the robot"
@@ -196,10 +198,12 @@ class Link:
         if was_open:
             gone = threading.Event()
             client.on("close", lambda _: gone.set())
-            client.close(timeout=GOODBYE)
+            with contextlib.suppress(TimeoutError):
+                client.close(timeout=GOODBYE)
             gone.wait(GOODBYE)
-        if client.factory.connector is not None:
-            client.call_later(0, client.factory.connector.disconnect)
+        connector = client.factory.connector
+        if connector is not None and connector.state != "disconnected":
+            client.call_later(0, connector.disconnect)
 
     def drive(self, speed: float, turning: float) -> None:
         """Publish a velocity; see `ros_messages.velocity_message`. Without a connection nothing happens."""

@@ -37,14 +37,18 @@ class RosBase:
         self._link, self._settings = link, settings
 
     def drive(self, speed: float, turning: float) -> None:
-        """Set the velocities; zero is always accepted.
+        """Set the velocities, within the limits; zero is always accepted.
 
         Raises:
             ConnectionLost: if there is no connection.
         """
         if speed or turning:
             self.check()
-        self._link.drive(speed, turning)
+        limits = self._settings.limits
+        fast, sharp = (
+            min(most, max(-most, value)) for most, value in ((limits.speed, speed), (limits.turning, turning))
+        )
+        self._link.drive(fast, sharp)
 
     def odometry(self) -> Odometry:
         """The newest odometry.
@@ -214,8 +218,8 @@ class RosRobot:
             return
         tried = f", and {patience.attempts} attempts to connect anew failed ({last})" if patience.attempts else ""
         raise ConnectionLost(
-            f"{cause or 'no connection'}{tried}; the base stops by itself when no velocity comes: check the robot and "
-            "the network"
+            f"{cause or 'no connection'}{tried}; the base stops by itself when no velocity comes: check the robot "
+            "and the network"
         ) from cause
 
     def close(self) -> None:
