@@ -45,7 +45,10 @@ ALLOWED = {
 }  # fmt: skip
 
 FILES = sorted(PACKAGE.rglob("*.py"))
-HEAVY = {"torch", "embreex", "mitsuba_oidn", "onnx", "onnxscript", "safetensors", "stable_baselines3"}
+HEAVY = {
+    "torch", "embreex", "mitsuba_oidn", "onnx", "onnxscript", "safetensors", "stable_baselines3", "roslibpy", "yaml",
+    "websockets",
+}  # fmt: skip
 
 
 def unit_of(path: Path) -> str:
@@ -96,7 +99,8 @@ def reachable(start: str) -> set[Path]:
 
 
 @pytest.mark.parametrize(
-    "module", ["perceiver", "robots", "scenes", "vision", "recognition", "policies", "search", "cli"]
+    "module",
+    ["perceiver", "robots", "robots.rosbridge", "scenes", "vision", "recognition", "policies", "search", "cli"],
 )
 def test_running_brings_in_nothing_heavy(module):
     for path in reachable(f"active_perceiver.{module}"):

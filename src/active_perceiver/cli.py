@@ -96,7 +96,10 @@ class Search:
     """Picture of the object on its own, or of the view if the agent searches for views; any image file."""
     robot: str
     """Where to search: scene:NAME for a bundled scene, scene:FILE for a scene file; thor:FloorPlan1 for a room of
-    AI2-THOR, thor:FILE for one captured with other than the usual settings."""
+    AI2-THOR, thor:FILE for one captured with other than the usual settings; ros:ws://HOST:PORT for a robot behind
+    rosbridge."""
+    robot_config: str | None = None
+    """What a ros robot is like: turtlebot2, turtlebot3, turtlebot4, or a YAML file."""
     start: int | None = None
     """State to start in; a random one if not given."""
     branch: str | None = None
@@ -127,9 +130,10 @@ class Search:
         from active_perceiver.experiments.searching import search_command
 
         found = search_command(
-            self.agent, self.picture, self.robot, start=self.start, branch=self.branch, max_steps=self.max_steps,
-            max_minutes=self.max_minutes, seed=self.seed, threads=self.threads, confirm=self.confirm,
-            explore=self.explore, dry_run=self.dry_run, record=self.record, out=self.out, force=self.force,
+            self.agent, self.picture, self.robot, robot_config=self.robot_config, start=self.start,
+            branch=self.branch, max_steps=self.max_steps, max_minutes=self.max_minutes, seed=self.seed,
+            threads=self.threads, confirm=self.confirm, explore=self.explore, dry_run=self.dry_run,
+            record=self.record, out=self.out, force=self.force,
         )  # fmt: skip
         return 0 if found or self.dry_run else 1
 

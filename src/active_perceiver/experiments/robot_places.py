@@ -11,6 +11,8 @@ import numpy as np
 from active_perceiver.errors import UserError
 from active_perceiver.robots import RecordedRobot, Robot
 from active_perceiver.robots.ai2thor import ThorRobot, ThorSettings, captured_settings, start_controller
+from active_perceiver.robots.ros_settings import load_settings, presets
+from active_perceiver.robots.rosbridge import RosRobot
 from active_perceiver.scenes import Action, Scene, bundled_names, open_scene
 
 ActionsIn = Callable[[str], tuple[Action, ...]]
@@ -33,7 +35,9 @@ class Place:
     scene: Scene | None
 
 
-def robot_at(text: str, actions: ActionsIn, start: int | None = None, seed: int | None = None) -> Place:
+def robot_at(
+    text: str, actions: ActionsIn, start: int | None = None, seed: int | None = None, config: str | None = None
+) -> Place:
     """The robot that `--robot` names, at its start.
 
     Args:
@@ -41,16 +45,22 @@ def robot_at(text: str, actions: ActionsIn, start: int | None = None, seed: int 
         actions: those of the agent in the scene or room of a name; a robot not bound to its own does these.
         start: number of a state; drawn if None.
         seed: of that draw.
+        config: settings of a ros robot, a preset or a file.
 
     Raises:
         UserError: if there is no such robot, or it cannot be started.
     """
     kind, _, name = text.partition(":")
-    if kind not in KINDS or not name:
+    if kind not in (*KINDS, "ros") or not name:
         raise UserError(
             f"'{text}' is no robot this version can drive; give scene:NAME or scene:FILE, room:NAME for a simulated "
-            "TurtleBot in a rendered room, or, for AI2-THOR, thor:FloorPlan1 or thor:FILE of a scene captured there"
+            "TurtleBot in a rendered room, ros:ws://HOST:PORT for a robot behind rosbridge, or, for AI2-THOR, "
+            "thor:FloorPlan1 or thor:FILE of a scene captured there"
         )
+    if kind == "ros":
+        return _behind_rosbridge(name, start, config)
+    if config is not None:
+        raise UserError(f"only a ros robot has settings; leave out --robot-config for {text}")
     return KINDS[kind](name, actions, start, seed)
 
 
@@ -88,6 +98,15 @@ def _in_thor(name: str, actions: ActionsIn, start: int | None, seed: int | None)
         controller.stop()
         raise
     return Place(robot, called, _words(robot.pose()), captured)
+
+
+def _behind_rosbridge(url: str, start: int | None, config: str | None) -> Place:
+    if config is None:
+        raise UserError(f"say what the robot is like: --robot-config FILE, or one of {', '.join(presets())}")
+    if start is not None:
+        raise UserError("a ros robot starts where it stands; leave out --start")
+    robot = RosRobot(url, load_settings(config))
+    return Place(robot, url, f"{_words(robot.pose() or (0.0, 0.0, 0.0, 0.0))} of its odometry", None)
 
 
 KINDS: dict[str, Callable[[str, ActionsIn, int | None, int | None], Place]] = {

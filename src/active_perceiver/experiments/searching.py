@@ -28,6 +28,7 @@ def search_command(
     picture: Path,
     robot: str,
     *,
+    robot_config: str | None = None,
     start: int | None = None,
     branch: str | None = None,
     max_steps: int = 200,
@@ -63,7 +64,7 @@ def search_command(
         chosen = branch or name
         return agent.config.actions(chosen if chosen in branches else next(iter(branches)))
 
-    place = robot_at(robot, actions_in, start, seed)
+    place = robot_at(robot, actions_in, start, seed, robot_config)
     if branch is None and place.name in agent.config.branches:
         branch = place.name
     setup = SearchSetup(

@@ -1,0 +1,291 @@
+"""A robot with a camera on two driven wheels, reached over rosbridge: what a TurtleBot is to the search.
+
+It stops when a motion ends, whatever ends it: a limit, old odometry, an image that is too old, a lost connection, an
+exception, Ctrl-C, the end of the program. Behind that stands the base itself, which stops when no velocity comes.
+"""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import math
+import time
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import Self
+
+from active_perceiver.robots.motion import Driver, Odometry
+from active_perceiver.robots.ros_link import ConnectionLost, Link, RosError
+from active_perceiver.robots.ros_settings import RosSettings
+from active_perceiver.scenes import Action
+from active_perceiver.scenes.lattice import LOOK
+
+# So often zero velocity is published to stop, with a pause in seconds: one message may get lost.
+STOPS, BETWEEN_STOPS = 3, 0.03
+# Odometry goes on where it was if it is at most so much further than the base can have come before it stopped itself.
+STOPPED_AFTER, METRES_OFF, DEGREES_OFF = 1.0, 0.1, 5.0
+
+LOG = logging.getLogger(__name__)
+
+
+class RosBase:
+    """The driven wheels behind a link, as `motion.Driver` wants them."""
+
+    def __init__(self, link: Link, settings: RosSettings) -> None:
+        self._link, self._settings = link, settings
+
+    def drive(self, speed: float, turning: float) -> None:
+        """Set the velocities, within the limits; zero is always accepted.
+
+        Raises:
+            ConnectionLost: if there is no connection.
+        """
+        if speed or turning:
+            self.check()
+        limits = self._settings.limits
+        fast, sharp = (
+            min(most, max(-most, value)) for most, value in ((limits.speed, speed), (limits.turning, turning))
+        )
+        self._link.drive(fast, sharp)
+
+    def odometry(self) -> Odometry:
+        """The newest odometry.
+
+        Raises:
+            ConnectionLost: if there is no connection, or nothing at all comes any more.
+            RosError: if what comes cannot be read.
+        """
+        self.check()
+        wheels = self._link.wheels
+        age, most = wheels.age(), self._settings.limits.odometry_age
+        if age > most and (wheels.broken or wheels.repeated):
+            raise RosError(f"there is no odometry since {age:.1f} s: {wheels.trouble()}; check the base's driver")
+        if age > most:
+            self.check_heard(most)
+        assert wheels.newest is not None  # a link that is open has seen some
+        return Odometry(*wheels.newest, wheels.taken)
+
+    def now(self) -> float:
+        """Seconds of our monotonic clock."""
+        return time.monotonic()
+
+    def wait(self, seconds: float) -> None:
+        """Let the base move on for a moment.
+
+        Raises:
+            ConnectionLost: if there is no connection.
+            RosError: if the newest image is too old to move on.
+        """
+        time.sleep(seconds)
+        self.check()
+        camera, stale = self._link.camera, self._settings.camera.stale
+        if (age := camera.age()) > stale:
+            self.check_heard(stale)
+            raise RosError(
+                f"the newest image is {age:.1f} s old, more than 'stale', {stale:g} s: {camera.trouble()}; the robot "
+                "was stopped: check its camera and the network"
+            )
+
+    def check(self) -> None:
+        """Raise ConnectionLost if there is no connection."""
+        if self._link.lost is not None:
+            raise ConnectionLost(f"the connection to {self._link.url} was lost: {self._link.lost}")
+
+    def check_heard(self, seconds: float) -> None:
+        """Raise ConnectionLost if one topic is silent for so long because nothing comes at all."""
+        # Not all topics fall silent in one moment, and whoever is asked first should know.
+        silent = time.monotonic() - self._link.heard
+        if silent > seconds / 2:
+            raise ConnectionLost(f"nothing was heard from {self._link.url} for {silent:.1f} s")
+
+
+class RosRobot:
+    """A robot behind rosbridge; to be used as a context manager.
+
+    A connection that is lost is made again as the settings say, and the action that was interrupted is carried out
+    anew from where the odometry says that the robot is. If the odometry does not go on where it was, because the
+    base was started anew or carried away, the robot goes on from where it stands, and the action counts as one that
+    did not move it.
+
+    Args:
+        url: of the bridge, such as ws://192.168.0.5:9090.
+        settings: what the robot is like, see `ros_settings.load_settings`.
+
+    Raises:
+        RosError: if it cannot be reached, or sends no images or odometry.
+    """
+
+    def __init__(self, url: str, settings: RosSettings) -> None:
+        self.settings = settings
+        self._link = Link(url, settings)
+        self._base = RosBase(self._link, settings)
+        self._driver = Driver(self._base, settings.limits, settings.step, settings.turn)
+        self._tilt = int(np.abs(settings.tilts).argmin())
+        self._still = -math.inf
+        atexit.register(self.stop)
+        try:
+            self._link.open()
+            self._aim()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """Those of the settings."""
+        return self.settings.policy_actions
+
+    def look(self) -> NDArray[np.uint8]:
+        """The newest square view that was taken after the last motion ended, (S, S, 3) uint8 RGB.
+
+        Raises:
+            RosError: if none comes in time, or the connection is lost and cannot be made again.
+        """
+        try:
+            return self._look()
+        except ConnectionLost as lost:
+            self.reconnect(lost)
+            return self._look()
+        except BaseException:
+            self.stop()
+            raise
+
+    def do(self, action: Action) -> bool:
+        """Carry out one action.
+
+        Returns:
+            Whether the robot moved; not if its way is blocked, it cannot look further up or down, or its odometry
+            began anew.
+
+        Raises:
+            MotionError: if the motion exceeds a limit.
+            RosError: if the robot has no such action, images are too old, or the connection is lost for good.
+        """
+        if action not in self.actions:
+            known = ", ".join(one.value for one in self.actions)
+            raise RosError(f"this robot has no action {action.value}; its settings say {known}")
+        try:
+            before = self._link.wheels.newest
+            return self._carry_out(action)
+        except ConnectionLost as lost:
+            before = self._link.wheels.newest or before
+            self.reconnect(lost)
+            if before is None or not self._goes_on(before):
+                LOG.warning("the odometry began anew; the robot goes on from where it stands")
+                self._driver.plan = None
+                return False
+            return self._carry_out(action)
+
+    def pose(self) -> tuple[float, float, float, float] | None:
+        """x, z, heading by the odometry, from where that began, and the tilt; None before the first odometry."""
+        if self._link.wheels.newest is None:
+            return None
+        x, z, heading = self._link.wheels.newest
+        return x, z, heading % 360, self.settings.tilts[self._tilt]
+
+    def stop(self) -> None:
+        """Publish zero velocity, more than once. Without a connection the base stops by itself."""
+        for _ in range(STOPS):
+            self._link.drive(0.0, 0.0)
+            if self._link.lost is not None:
+                return
+            time.sleep(BETWEEN_STOPS)
+
+    def reconnect(self, cause: ConnectionLost | None = None) -> None:
+        """Make the connection anew, in as many attempts as the settings say.
+
+        Args:
+            cause: why; named if it does not succeed.
+
+        Raises:
+            ConnectionLost: if it does not succeed.
+        """
+        patience = self.settings.connection
+        last: RosError | None = cause
+        for attempt in range(1, patience.attempts + 1):
+            LOG.warning("%s; connecting anew, attempt %d of %d", last or "asked to", attempt, patience.attempts)
+            try:
+                self._link.open()
+            except RosError as error:
+                last = error
+                if attempt < patience.attempts:
+                    time.sleep(patience.pause)
+                continue
+            self.stop()
+            self._aim()
+            return
+        tried = f", and {patience.attempts} attempts to connect anew failed ({last})" if patience.attempts else ""
+        raise ConnectionLost(
+            f"{cause or 'no connection'}{tried}; the base stops by itself when no velocity comes: check the robot "
+            "and the network"
+        ) from cause
+
+    def close(self) -> None:
+        """Stop the robot and give up the connection."""
+        self.stop()
+        self._link.close()
+        atexit.unregister(self.stop)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _carry_out(self, action: Action) -> bool:
+        try:
+            if action in LOOK:
+                return self._tilt_by(LOOK[action])
+            return self._driver.do(action)
+        except BaseException:
+            self.stop()
+            raise
+        finally:
+            self._still = max(self._still, time.monotonic() + self.settings.settle)
+
+    def _tilt_by(self, steps: int) -> bool:
+        self._base.check()
+        wanted = self._tilt + steps
+        if not 0 <= wanted < len(self.settings.tilts):
+            return False
+        self._tilt = wanted
+        self._aim()
+        return True
+
+    def _aim(self) -> None:
+        """Publish the angles of the camera's joints; what is seen before they are there does not count."""
+        settings = self.settings
+        for joint, degrees in ((settings.tilt, settings.tilts[self._tilt]), (settings.pan, 0.0)):
+            if joint is not None:
+                self._link.aim(joint, degrees)
+                self._still = max(self._still, time.monotonic() + joint.seconds + settings.settle)
+
+    def _look(self) -> NDArray[np.uint8]:
+        camera, stale = self._link.camera, self.settings.camera.stale
+        deadline = max(time.monotonic(), self._still) + stale
+        while True:
+            self._base.check()
+            if camera.taken >= self._still and camera.age() <= stale:
+                assert camera.newest is not None
+                return camera.newest
+            if time.monotonic() > deadline:
+                self._base.check_heard(stale)
+                raise RosError(
+                    f"there is no image newer than {camera.age():.1f} s ('stale' is {stale:g} s): "
+                    f"{camera.trouble()}; the robot was stopped: check its camera and the network"
+                )
+            time.sleep(0.01)
+
+    def _goes_on(self, before: tuple[float, float, float]) -> bool:
+        """Whether the odometry after a new connection is where it can be if it was there before."""
+        after, limits = self._link.wheels.newest, self.settings.limits
+        assert after is not None
+        turned = abs((after[2] - before[2] + 180) % 360 - 180)
+        return (
+            math.hypot(after[0] - before[0], after[1] - before[1]) <= limits.speed * STOPPED_AFTER + METRES_OFF
+            and turned <= limits.turning * STOPPED_AFTER + DEGREES_OFF
+        )
