@@ -32,8 +32,8 @@ def behind_rosbridge(actions, ends):
     return RosRobot(bridge.url, settings)
 
 
-# Each makes a robot that may do some actions, on a free place in the middle, looking level along z; what it needs ends
-# with the stack.
+# Each makes a robot that may do some actions, on a free place in the middle, looking level along z; what it needs
+# ends with the stack.
 MAKERS = {
     "recorded": lambda actions, ends: RecordedRobot(toy_scene(actions=actions), start=LEVEL),
     "simulated": lambda actions, ends: simulated(actions=actions),
