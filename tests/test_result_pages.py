@@ -132,7 +132,14 @@ def commands_in(path: Path) -> list[list[str]]:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "CONTRIBUTING.md", "docs/scenes.md", *(f"docs/benchmarks/{path.name}" for path in PAGES)]
+    "page",
+    [
+        "README.md",
+        "CONTRIBUTING.md",
+        "docs/robot.md",
+        "docs/scenes.md",
+        *(f"docs/benchmarks/{path.name}" for path in PAGES),
+    ],
 )
 def test_every_command_in_it_can_be_typed(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     parse = tyro.cli
