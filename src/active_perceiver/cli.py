@@ -288,8 +288,8 @@ Command = (
         Benchmark,
         subcommand(
             "benchmark",
-            description="How fast and how good it is: act, env, policies, recogniser, render, robustness, scale, "
-            "train (each has its own --help).",
+            description="How fast and how good it is: act, env, policies, recogniser, render, robot, robustness, "
+            "scale, train (each has its own --help).",
         ),
     ]
     | Annotated[

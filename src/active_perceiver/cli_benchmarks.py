@@ -14,6 +14,7 @@ from active_perceiver.experiments.benchmarks.settings import (
     ActSpeedSettings,
     PolicySettings,
     RecogniserBenchmarkSettings,
+    RobotBenchmarkSettings,
     RobustnessSettings,
     ScaleSettings,
     TrainSpeedSettings,
@@ -125,6 +126,30 @@ class BenchmarkRobustness:
         robustness_command(
             self.agent, self.settings, _render_again, self.out, self.picture, force=self.force, resume=self.resume
         )
+        return 0
+
+
+@dataclass
+class BenchmarkRobot:
+    """How often a robot that is never quite on the lattice finds its targets."""
+
+    agents: Positional[tuple[Path, ...]]
+    """Folders of agents that were trained in the room; the last one is the one that is measured, the others, whose
+    policies were shown less in training, are compared with it."""
+    settings: OmitArgPrefixes[RobotBenchmarkSettings] = field(default_factory=RobotBenchmarkSettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+    resume: bool = False
+    """Go on after the rows that an interrupted run has finished."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.robot import robot_command
+
+        robot_command(self.agents, self.settings, self.out, self.picture, force=self.force, resume=self.resume)
         return 0
 
 
@@ -284,6 +309,19 @@ BenchmarkCommand = (
                 "(needs the `rooms` extra).",
                 "benchmark robustness kitchen_agent --out robustness.json --picture robustness.png",
                 "benchmark robustness kitchen_agent --conditions 'noise 25' dusk --searches 50",
+            ),
+        ),
+    ]
+    | Annotated[
+        BenchmarkRobot,
+        subcommand(
+            "robot",
+            description=help_text(
+                "How often a simulated TurtleBot in a rendered room finds its targets: from anywhere near the "
+                "lattice, with wheels that slip, at another hour, with things moved by a hand's breadth; and what of "
+                "training and search it takes (needs the `rooms` extra).",
+                "benchmark robot kitchen_agent --out robot.json --picture robot.png",
+                "benchmark robot plain_agent kitchen_agent --room kitchen_1_hour_noon --starts 40 --compared 20",
             ),
         ),
     ]
