@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -60,7 +61,13 @@ def imports(path: Path, top_level_only: bool = False) -> set[str]:
         if isinstance(block, ast.If) and getattr(block.test, "id", "") == "TYPE_CHECKING"
         for node in ast.walk(block)
     }
-    nodes = tree.body if top_level_only else [node for node in ast.walk(tree) if id(node) not in typing_only]
+    later = {
+        id(node)
+        for block in ast.walk(tree)
+        if top_level_only and isinstance(block, ast.FunctionDef)
+        for node in ast.walk(block)
+    }
+    nodes = [node for node in ast.walk(tree) if id(node) not in typing_only | later]
     names = set()
     for node in nodes:
         if isinstance(node, ast.Import):
@@ -101,6 +108,14 @@ def test_running_brings_in_nothing_heavy(module):
     for path in reachable(f"active_perceiver.{module}"):
         heavy = {name.split(".")[0] for name in imports(path, True)} & HEAVY
         assert not heavy, f"importing {module} imports {heavy} in {path.relative_to(PACKAGE)}"
+
+
+@pytest.mark.parametrize("module", ["perceiver", "robots"])
+def test_a_robot_needs_three_packages_only(module):
+    for path in reachable(f"active_perceiver.{module}"):
+        packages = {name.split(".")[0] for name in imports(path, True)} - sys.stdlib_module_names
+        more = packages - {"active_perceiver", "numpy", "onnxruntime", "PIL"}
+        assert not more, f"importing {module} imports {more} in {path.relative_to(PACKAGE)}"
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))

@@ -18,8 +18,8 @@ from active_perceiver.policies.policy import Policy
 from active_perceiver.policies.restless import is_alike, unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import Action, decode_image, read_image
-from active_perceiver.search.location import location_mask
 from active_perceiver.vision.backbone import Backbone, load_backbone, pooled
+from active_perceiver.vision.location import location_mask
 
 
 @dataclass(frozen=True)
