@@ -338,6 +338,17 @@ def test_eight_bits_without_onnx_name_the_extra(agent_folder, tmp_path, monkeypa
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_agent_without_its_pictures_is_refused(agent_folder, tmp_path, scene):
+    shutil.copytree(agent_folder, tmp_path / "agent")
+    shutil.rmtree(tmp_path / "agent" / "targets" / scene.name / "ball0")
+    with pytest.raises(AgentError, match="agent holds no pictures of 'ball0'"):
+        export_agent(tmp_path / "agent", tmp_path / "robot")
+    shutil.rmtree(tmp_path / "agent" / "targets")
+    with pytest.raises(AgentError, match="agent holds no pictures of 'ball0'"):
+        export_agent(tmp_path / "agent", tmp_path / "robot")
+    assert [path.name for path in tmp_path.iterdir()] == ["agent"]
+
+
 def test_no_agent_is_refused(tmp_path, capsys):
     assert main(["export", str(tmp_path / "nowhere"), str(tmp_path / "robot")]) == 2
     assert "is not an agent" in capsys.readouterr().err

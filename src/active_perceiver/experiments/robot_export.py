@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver import __version__
-from active_perceiver.agent_config import AgentError
+from active_perceiver.agent_config import AgentError, picture_folder
 from active_perceiver.checksums import write_checksums
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.quantising import quantise_backbone
@@ -104,6 +104,9 @@ def export_agent(
     if calibrate is not None and not int8:
         raise UserError("a scene to calibrate by is of use with --int8 only; give that too, or leave out --calibrate")
     loaded = ActivePerceiver.from_pretrained(agent)
+    for target in loaded.config.targets:
+        if not any(picture_folder(agent, target.scene, target.name).glob("*")):
+            raise AgentError(f"{agent} holds no pictures of '{target.name}'; copy the whole agent")
     images = _calibration_images(agent, calibrate) if int8 else []
     with replacing_folder(out, force) as folder:
         for name in ("config.json", "policy.onnx", *loaded.seeker.files):
@@ -156,9 +159,7 @@ def _spread(count: int) -> list[int]:
 def _readme(agent: ActivePerceiver, name: str, int8: bool) -> str:
     config = agent.config
     first = config.targets[0]
-    pictures = sorted((agent.folder / "targets" / first.scene / first.name).glob("*"))
-    if not pictures:
-        raise AgentError(f"{agent.folder} holds no picture of '{first.name}'; copy the whole agent")
+    picture = min(picture_folder(agent.folder, first.scene, first.name).glob("*"))
     return README.format(
         name=name,
         scenes=", ".join(config.branches),
@@ -166,7 +167,7 @@ def _readme(agent: ActivePerceiver, name: str, int8: bool) -> str:
         + ", ".join(dict.fromkeys(target.name for target in config.targets)),
         version=__version__,
         numbers=", its backbone with 8-bit numbers" if int8 else "",
-        picture=f"{name}/{pictures[0].relative_to(agent.folder).as_posix()}",
+        picture=f"{name}/{picture.relative_to(agent.folder).as_posix()}",
         branch=first.scene,
     )
 
