@@ -311,6 +311,14 @@ def test_eight_bits_are_smaller_and_nearly_the_same(exported, exported_int8, sce
     assert cosines.min() > 0.98
 
 
+def test_eight_bits_are_made_once(exported_int8, tmp_path):
+    with pytest.raises(UserError, match="has 8-bit numbers already"):
+        export_agent(exported_int8, tmp_path / "again", int8=True)
+    export_agent(exported_int8, tmp_path / "copy")
+    ours, theirs = ((folder / "backbone.onnx").read_bytes() for folder in (tmp_path / "copy", exported_int8))
+    assert ours == theirs
+
+
 def test_eight_bits_know_their_pictures(exported_int8, scene, monkeypatch):
     """Their codes depend on the backbone; computed when the first search begins, they would delay it."""
     agent, looked = ActivePerceiver.from_pretrained(exported_int8), []

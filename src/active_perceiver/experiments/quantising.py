@@ -31,7 +31,7 @@ def quantise_backbone(source: Path, target: Path, images: Sequence[NDArray[np.ui
         image_size: side in pixels to which they are scaled.
 
     Raises:
-        UserError: if there are no images, or `onnx` is not installed.
+        UserError: if there are no images, the backbone has 8-bit numbers already, or `onnx` is not installed.
     """
     if not images:
         raise UserError("a backbone is made 8-bit by pictures, and there are none; give --calibrate SCENE")
@@ -58,6 +58,10 @@ def quantise_backbone(source: Path, target: Path, images: Sequence[NDArray[np.ui
 
     with tempfile.TemporaryDirectory(prefix="active-perceiver-") as name, _quiet():
         prepared = Path(name) / "prepared.onnx"
+        if any(node.op_type == "QuantizeLinear" for node in onnx.load(source).graph.node):
+            raise UserError(
+                f"{source} has 8-bit numbers already; leave out --int8, or export the agent it was made of"
+            )
         quant_pre_process(str(source), str(prepared), skip_symbolic_shape=True)
         quantize_static(
             str(prepared),
