@@ -29,7 +29,7 @@ def make_clean_environment(folder: Path) -> Path:
     _run([sys.executable, "-m", "venv", "--without-pip", str(folder)])
     python = folder / "bin" / "python"
     pinned = [f"{package}=={version(package)}" for package in PACKAGES]
-    _run([sys.executable, "-m", "pip", "--python", str(python), "install", "--quiet", "--no-compile", *pinned])
+    _run([sys.executable, "-m", "pip", "--python", str(python), "install", "--quiet", *pinned])
     site = _run([str(python), "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"])
     # As `pip install --no-deps` of this package would, but without building it.
     (Path(site) / "active_perceiver").symlink_to(Path(active_perceiver.__file__).parent)
