@@ -25,6 +25,7 @@ NO_RESULT = "No quiet run is committed yet; the command above makes one."
 FORMATS = {
     "act": "format_act_speed",
     "env": "format_env_speed",
+    "export": "format_exported",
     "policies": "format_policies",
     "recogniser": "format_recogniser_ablation",
     "robustness": "format_robustness",
@@ -132,7 +133,14 @@ def commands_in(path: Path) -> list[list[str]]:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "CONTRIBUTING.md", "docs/scenes.md", *(f"docs/benchmarks/{path.name}" for path in PAGES)]
+    "page",
+    [
+        "README.md",
+        "CONTRIBUTING.md",
+        "docs/scenes.md",
+        "docs/exporting.md",
+        *(f"docs/benchmarks/{path.name}" for path in PAGES),
+    ],
 )
 def test_every_command_in_it_can_be_typed(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     parse = tyro.cli

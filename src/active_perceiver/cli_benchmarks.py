@@ -12,6 +12,7 @@ from tyro.conf import OmitArgPrefixes, Positional, subcommand
 from active_perceiver.cli_scenes import help_text
 from active_perceiver.experiments.benchmarks.settings import (
     ActSpeedSettings,
+    ExportSettings,
     PolicySettings,
     RecogniserBenchmarkSettings,
     RobotBenchmarkSettings,
@@ -101,6 +102,27 @@ class BenchmarkAct:
         from active_perceiver.experiments.benchmarks.act_speed import act_speed_command
 
         act_speed_command(self.settings, self.out, self.picture, force=self.force)
+        return 0
+
+
+@dataclass
+class BenchmarkExport:
+    """What an exported agent weighs, how fast it starts and acts, and what 8-bit numbers do to it."""
+
+    agent: Positional[Path]
+    """Folder of the agent; it is measured in the scenes it was trained in."""
+    settings: OmitArgPrefixes[ExportSettings] = field(default_factory=ExportSettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.exported import exported_command
+
+        exported_command(self.agent, self.settings, self.out, self.picture, force=self.force)
         return 0
 
 
@@ -272,6 +294,19 @@ BenchmarkCommand = (
                 "memory; torch beside it if it is installed.",
                 "benchmark act",
                 "benchmark act --agent kitchen_agent --threads 2 --out act.json --picture act.png",
+            ),
+        ),
+    ]
+    | Annotated[
+        BenchmarkExport,
+        subcommand(
+            "export",
+            description=help_text(
+                "What an exported agent weighs, how long it takes to the first action where nothing but numpy, "
+                "onnxruntime and pillow is installed (which is done, in a temporary folder), how long one action "
+                "takes, and how well it searches; with 32-bit numbers and with 8-bit ones.",
+                "benchmark export kitchen_agent",
+                "benchmark export kitchen_agent --calibrate kitchen_1 --out export.json --picture export.png",
             ),
         ),
     ]

@@ -33,6 +33,28 @@ class ActSpeedSettings:
 
 
 @dataclass(frozen=True)
+class ExportSettings:
+    """What to measure, and how often."""
+
+    calibrate: str | None = None
+    """The scene, a bundled name or a file, by whose views the 8-bit numbers are set; the agent's own pictures if not
+    given."""
+    threads: int = 1
+    """CPU threads of the agent."""
+    repeats: int = 100
+    """Actions to measure in each process."""
+    starts: int = 3
+    """Processes to start for each agent and environment."""
+    frame: tuple[int, int] = (640, 480)
+    """Width and height of the camera's pictures in pixels: views of the agent's scene scaled to this, as JPEG."""
+    searches: int = 100
+    """Searches per target by the agent's own word, from random starts."""
+    python: Path | None = None
+    """The interpreter of an environment with numpy, onnxruntime, pillow and this package alone; if not given, one is
+    made in a temporary folder, for which the packages are installed."""
+
+
+@dataclass(frozen=True)
 class TrainSpeedSettings:
     """Who is measured, on what, and for how long."""
 
