@@ -16,12 +16,13 @@ from typing_extensions import Self
 from active_perceiver.errors import UserError
 from active_perceiver.robots.body import Body, Slip
 from active_perceiver.robots.motion import Driver, Limits
-from active_perceiver.rooms.live_room import WEBCAM, LiveRoom, open_room
+from active_perceiver.rooms.live_room import WEBCAM, LiveRoom, open_room, scene_of
 from active_perceiver.scenes import Action
 from active_perceiver.scenes.lattice import LOOK, lattice_poses
 
 __all__ = [
     "WEBCAM", "LiveRoom", "Pose", "SimulatedRobot", "lattice_start", "nearest_pose", "open_room", "random_start",
+    "scene_of",
 ]  # fmt: skip
 
 HEADINGS = (0.0, 90.0, 180.0, 270.0)

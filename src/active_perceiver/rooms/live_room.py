@@ -93,26 +93,40 @@ def open_room(
     Raises:
         LayoutError: if there is no such room.
     """
+    layout, seed_of_room, hour, moved = _named(name)
+    settings = replace(DEFAULT_SETTINGS.get(layout, CaptureSettings()), faults=faults)
+    with progress(f"light of {name}") as report:
+        room = make_room(layout, seed_of_room, hour=hour, moved=moved)
+        if nudge:
+            room = nudged(room, nudge, seed)
+        baked = bake(room, settings.bake_rays, settings.bounces, seed_of_room, report)
+    return LiveRoom(scene_of(name), baked, settings, seed)
+
+
+def scene_of(name: str) -> str:
+    """Name of the scene whose room a room is at another hour or in another arrangement; see `open_room`.
+
+    Raises:
+        LayoutError: if there is no such room.
+    """
+    _named(name)
+    return name.partition("_hour_")[0].partition("_moved_")[0]
+
+
+def _named(name: str) -> tuple[str, int, str | None, int | None]:
+    """Layout, seed, hour and arrangement."""
     found = NAME.fullmatch(name)
     scene = found["scene"] if found else ""
     layout, _, number = scene.rpartition("_")
-    if scene in bundled_names():
-        layout, seed_of_room = origin_of(open_scene(scene))
-    elif layout in LAYOUTS and number.isdigit():
-        seed_of_room = int(number)
+    if found and scene in bundled_names():
+        layout, seed = origin_of(open_scene(scene))
+    elif found and layout in LAYOUTS and number.isdigit():
+        seed = int(number)
     else:
         raise LayoutError(
             f"'{name}' is no room that can be made; name a bundled scene, or a layout ({', '.join(sorted(LAYOUTS))}) "
             "and a number, kitchen_1 for example, and perhaps an hour or an arrangement: kitchen_1_hour_dusk, "
             "kitchen_1_moved_2"
         )
-    hour, moved = found.group("hour", "moved") if found else (None, None)
-    settings = replace(DEFAULT_SETTINGS.get(layout, CaptureSettings()), faults=faults)
-    with progress(f"light of {name}") as report:
-        room = make_room(
-            layout, seed_of_room, hour=hour and hour.replace("_", " "), moved=None if moved is None else int(moved)
-        )
-        if nudge:
-            room = nudged(room, nudge, seed)
-        baked = bake(room, settings.bake_rays, settings.bounces, seed_of_room, report)
-    return LiveRoom(scene, baked, settings, seed)
+    hour, moved = found.group("hour", "moved")
+    return layout, seed, hour and hour.replace("_", " "), None if moved is None else int(moved)

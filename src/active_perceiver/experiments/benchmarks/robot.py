@@ -20,6 +20,7 @@ from active_perceiver.experiments.own_word import TRUE_IOU
 from active_perceiver.figures.robustness import robustness_figure
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.progress import console, progress_bar
+from active_perceiver.robots.simulated import scene_of
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,10 @@ def _rows(agents: Sequence[Path], settings: RobotBenchmarkSettings) -> Iterator[
         raise UserError("name at least one agent")
     if min(settings.starts, settings.compared, settings.max_steps, settings.workers) < 1:
         raise UserError("starts, compared, max_steps and workers must be at least 1")
+    scene = scene_of(settings.room)
+    for agent in agents:
+        if scene not in (known := ActivePerceiver.from_pretrained(agent, 1).config.branches):
+            raise UserError(f"{agent} was not trained in {scene}, but in {', '.join(known)}; give the room of one")
     last = agents[-1]
     everything = Conditions(settings.centimetres, settings.degrees, slip=True, nudge=settings.nudge)
     exact = Conditions(0.0, 0.0, slip=False, nudge=0.0)

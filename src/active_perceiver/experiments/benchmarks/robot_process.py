@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.errors import UserError
 from active_perceiver.experiments.benchmarks.settings import RobotBenchmarkSettings
 from active_perceiver.experiments.own_word import TRUE_IOU
 from active_perceiver.perceiver import ActivePerceiver, Step
@@ -80,8 +79,6 @@ def searches(
         For each search: "target", "found" (its word), "true" (its box is on the target), "actions", "metres_off" and
         "degrees_off" (from where a robot that does not slip would be, had it begun on the lattice), "collisions".
 
-    Raises:
-        UserError: if the agent was not trained in the room.
     """
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(
@@ -126,9 +123,6 @@ def _open(agent: Path, room: str, conditions: Conditions, settings: RobotBenchma
         faults=None if conditions.perfect else WEBCAM,
         progress=lambda label: nullcontext(quiet),
     )
-    if opened.name not in perceiver.config.branches:
-        known = ", ".join(perceiver.config.branches)
-        raise UserError(f"{agent} was not trained in {opened.name}, but in {known}; give the room of one of these")
     _lab = _Lab(perceiver, opened, open_scene(opened.name), conditions, settings)
 
 
