@@ -25,6 +25,7 @@ NO_RESULT = "No quiet run is committed yet; the command above makes one."
 FORMATS = {
     "act": "format_act_speed",
     "env": "format_env_speed",
+    "export": "format_exported",
     "policies": "format_policies",
     "recogniser": "format_recogniser_ablation",
     "robustness": "format_robustness",
@@ -138,6 +139,7 @@ def commands_in(path: Path) -> list[list[str]]:
         "CONTRIBUTING.md",
         "docs/robot.md",
         "docs/scenes.md",
+        "docs/exporting.md",
         *(f"docs/benchmarks/{path.name}" for path in PAGES),
     ],
 )

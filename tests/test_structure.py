@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -20,9 +21,10 @@ ALLOWED = {
     "agent_config": {"scenes"},
     "known_targets": {"agent_config", "policies", "recognition", "scenes", "vision"},
     "exploring": {"agent_config", "policies", "recognition", "scenes"},
+    "checksums": {"agent_config"},
     "course": {"exploring", "known_targets", "policies"},
     "perceiver": {
-        "agent_config", "course", "exploring", "known_targets", "policies", "recognition", "scenes", "search",
+        "agent_config", "checksums", "course", "exploring", "known_targets", "policies", "recognition", "scenes",
         "vision",
     },
     "robots": {"perceiver", "scenes"},
@@ -30,8 +32,8 @@ ALLOWED = {
     "rooms": {"scenes"},
     "figures": {"recognition", "robots", "scenes"},
     "experiments": {
-        "agent_config", "course", "exploring", "figures", "known_targets", "perceiver", "policies", "recognition",
-        "robots", "scenes", "search", "vision",
+        "agent_config", "checksums", "course", "exploring", "figures", "known_targets", "perceiver", "policies",
+        "recognition", "robots", "scenes", "search", "vision",
     },
     "cli_import": {"cli_help", "experiments", "scenes"},
     "labelling": {"scenes"},
@@ -64,7 +66,13 @@ def imports(path: Path, top_level_only: bool = False) -> set[str]:
         if isinstance(block, ast.If) and getattr(block.test, "id", "") == "TYPE_CHECKING"
         for node in ast.walk(block)
     }
-    nodes = tree.body if top_level_only else [node for node in ast.walk(tree) if id(node) not in typing_only]
+    later = {
+        id(node)
+        for block in ast.walk(tree)
+        if top_level_only and isinstance(block, ast.FunctionDef)
+        for node in ast.walk(block)
+    }
+    nodes = [node for node in ast.walk(tree) if id(node) not in typing_only | later]
     names = set()
     for node in nodes:
         if isinstance(node, ast.Import):
@@ -106,6 +114,14 @@ def test_running_brings_in_nothing_heavy(module):
     for path in reachable(f"active_perceiver.{module}"):
         heavy = {name.split(".")[0] for name in imports(path, True)} & HEAVY
         assert not heavy, f"importing {module} imports {heavy} in {path.relative_to(PACKAGE)}"
+
+
+@pytest.mark.parametrize("module", ["perceiver", "robots"])
+def test_a_robot_needs_three_packages_only(module):
+    for path in reachable(f"active_perceiver.{module}"):
+        packages = {name.split(".")[0] for name in imports(path, True)} - sys.stdlib_module_names
+        more = packages - {"active_perceiver", "numpy", "onnxruntime", "PIL"}
+        assert not more, f"importing {module} imports {more} in {path.relative_to(PACKAGE)}"
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))

@@ -12,8 +12,10 @@ from tyro.conf import OmitArgPrefixes, Positional, subcommand
 from active_perceiver.cli_scenes import help_text
 from active_perceiver.experiments.benchmarks.settings import (
     ActSpeedSettings,
+    ExportSettings,
     PolicySettings,
     RecogniserBenchmarkSettings,
+    RobotBenchmarkSettings,
     RobustnessSettings,
     ScaleSettings,
     TrainSpeedSettings,
@@ -104,6 +106,27 @@ class BenchmarkAct:
 
 
 @dataclass
+class BenchmarkExport:
+    """What an exported agent weighs, how fast it starts and acts, and what 8-bit numbers do to it."""
+
+    agent: Positional[Path]
+    """Folder of the agent; it is measured in the scenes it was trained in."""
+    settings: OmitArgPrefixes[ExportSettings] = field(default_factory=ExportSettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.exported import exported_command
+
+        exported_command(self.agent, self.settings, self.out, self.picture, force=self.force)
+        return 0
+
+
+@dataclass
 class BenchmarkRobustness:
     """What becomes of success when an agent sees something else than it was trained on."""
 
@@ -125,6 +148,30 @@ class BenchmarkRobustness:
         robustness_command(
             self.agent, self.settings, _render_again, self.out, self.picture, force=self.force, resume=self.resume
         )
+        return 0
+
+
+@dataclass
+class BenchmarkRobot:
+    """How often a robot that is never quite on the lattice finds its targets."""
+
+    agents: Positional[tuple[Path, ...]]
+    """Folders of agents that were trained in the room; the last one is the one that is measured, the others, whose
+    policies were shown less in training, are compared with it."""
+    settings: OmitArgPrefixes[RobotBenchmarkSettings] = field(default_factory=RobotBenchmarkSettings)
+    out: Path | None = None
+    """Write the result here, as JSON."""
+    picture: Path | None = None
+    """Write a plot here, as PNG."""
+    force: bool = False
+    """Replace existing files."""
+    resume: bool = False
+    """Go on after the rows that an interrupted run has finished."""
+
+    def run(self) -> int:
+        from active_perceiver.experiments.benchmarks.robot import robot_command
+
+        robot_command(self.agents, self.settings, self.out, self.picture, force=self.force, resume=self.resume)
         return 0
 
 
@@ -251,6 +298,19 @@ BenchmarkCommand = (
         ),
     ]
     | Annotated[
+        BenchmarkExport,
+        subcommand(
+            "export",
+            description=help_text(
+                "What an exported agent weighs, how long it takes to the first action where nothing but numpy, "
+                "onnxruntime and pillow is installed (which is done, in a temporary folder), how long one action "
+                "takes, and how well it searches; with 32-bit numbers and with 8-bit ones.",
+                "benchmark export kitchen_agent",
+                "benchmark export kitchen_agent --calibrate kitchen_1 --out export.json --picture export.png",
+            ),
+        ),
+    ]
+    | Annotated[
         BenchmarkTrain,
         subcommand(
             "train",
@@ -284,6 +344,19 @@ BenchmarkCommand = (
                 "(needs the `rooms` extra).",
                 "benchmark robustness kitchen_agent --out robustness.json --picture robustness.png",
                 "benchmark robustness kitchen_agent --conditions 'noise 25' dusk --searches 50",
+            ),
+        ),
+    ]
+    | Annotated[
+        BenchmarkRobot,
+        subcommand(
+            "robot",
+            description=help_text(
+                "How often a simulated TurtleBot in a rendered room finds its targets: from anywhere near the "
+                "lattice, with wheels that slip, at another hour, with things moved by a hand's breadth; and what of "
+                "training and search it takes (needs the `rooms` extra).",
+                "benchmark robot kitchen_agent --out robot.json --picture robot.png",
+                "benchmark robot plain_agent kitchen_agent --room kitchen_1_hour_noon --starts 40 --compared 20",
             ),
         ),
     ]

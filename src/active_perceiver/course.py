@@ -9,7 +9,7 @@ from active_perceiver.exploring import Explorer
 from active_perceiver.known_targets import Sight
 from active_perceiver.policies.restless import restless
 
-LOST = 2
+LOST = 4
 """An agent that has looked at the present view so often before is lost: the policy does not lead on."""
 
 

@@ -52,3 +52,26 @@ def flush_folder(folder: Path) -> None:
         os.fsync(file)
     finally:
         os.close(file)
+
+
+@contextmanager
+def replacing_folder(path: Path, force: bool = False) -> Iterator[Path]:
+    """A temporary folder beside `path` that takes its place when the block ends well and vanishes when it does not.
+
+    Args:
+        path: the folder to write; the one it is in is made.
+        force: whether an existing folder, with all that is in it, may be replaced.
+
+    Raises:
+        OutputExistsError: if `path` exists and `force` is false.
+    """
+    if path.exists() and not force:
+        raise OutputExistsError(f"{path} exists; give another name, or --force to replace it")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=f".{path.name}.", suffix=".part", dir=path.parent) as name:
+        made = Path(name) / path.name
+        made.mkdir()
+        yield made
+        if path.exists():
+            path.rename(Path(name) / "replaced")
+        made.rename(path)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.agent_config import AgentConfig, AgentError
+from active_perceiver.checksums import check_files
 from active_perceiver.course import Course
 from active_perceiver.exploring import Explorer, RoomMap, map_file
 from active_perceiver.files import OutputExistsError
@@ -18,8 +19,8 @@ from active_perceiver.policies.policy import Policy
 from active_perceiver.policies.restless import is_alike, unit_vectors
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.scenes import Action, decode_image, read_image
-from active_perceiver.search.location import location_mask
 from active_perceiver.vision.backbone import Backbone, load_backbone, pooled
+from active_perceiver.vision.location import location_mask
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ class ActivePerceiver:
         """Load an agent.
 
         Args:
-            folder: made by `active-perceiver train` or `save_pretrained`.
+            folder: made by `active-perceiver train`, `active-perceiver export` or `save_pretrained`.
             threads: CPU threads that an action may take; None for one per core.
             confirm: take two views in a row, from different poses, to say found. A wrong detection then seldom ends
                 a search; a right one costs about a step more.
@@ -92,13 +93,14 @@ class ActivePerceiver:
                 target is not where it was.
 
         Raises:
-            AgentError: if the folder is no agent or lacks a file, `threads` is less than 1, or it searches for views
-                and is told to confirm.
+            AgentError: if the folder is no agent, lacks a file or holds a damaged one (see `check_files`), `threads`
+                is less than 1, or it searches for views and is told to confirm.
             BackboneError: if the backbone is neither in the folder nor in the cache and cannot be made here.
         """
         if threads is not None and threads < 1:
             raise AgentError(f"an agent needs at least 1 thread, got {threads}; leave it out for one per core")
         folder = Path(folder)
+        check_files(folder)
         config = AgentConfig.load(folder)
         for name in (*SEEKERS[config.task].files, "policy.onnx"):
             if not (folder / name).is_file():

@@ -23,8 +23,9 @@ from active_perceiver.experiments.benchmarks.settings import PolicySettings
 from active_perceiver.experiments.changed_views import changed_observations
 from active_perceiver.experiments.evaluating import agent_sightings
 from active_perceiver.perceiver import ActivePerceiver
-from active_perceiver.policies import LEARNERS, DistilConfig
+from active_perceiver.policies.config import DistilConfig
 from active_perceiver.policies.evaluation import exact_evaluation
+from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.problem import Problem
 from active_perceiver.scenes import Scene, save_scene
 from active_perceiver.search.task import SearchTask

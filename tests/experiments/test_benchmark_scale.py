@@ -20,8 +20,9 @@ from active_perceiver.experiments.benchmarks.synthetic_scenes import (
     free_cells,
     synthetic_problems,
 )
-from active_perceiver.policies import LEARNERS, Problem
+from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.monitor import Monitor
+from active_perceiver.policies.problem import Problem
 from active_perceiver.scenes import Action
 
 OPPOSITE = {

@@ -27,8 +27,8 @@ from active_perceiver.experiments.benchmarks.train_report import (
     trainings_of,
 )
 from active_perceiver.files import OutputExistsError
-from active_perceiver.policies import Problem
 from active_perceiver.policies.network import picture_tensors, seeded_network
+from active_perceiver.policies.problem import Problem
 from active_perceiver.search import REWARDS, SearchVectorEnv
 from policies.problems import toy_problem
 from small import SIZE

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from active_perceiver.course import LOST
 from active_perceiver.experiments import own_word, own_word_tables
 from active_perceiver.experiments.evaluating import agent_sightings, as_asked
 from active_perceiver.experiments.settings import EvaluateSettings
@@ -84,7 +85,7 @@ def test_it_says_what_it_is_going_to_do(agent_folder, scene):
     """While it explores, one action has the probability 1."""
     agent = turning(agent_folder, explore=True)
     agent.reset(scene.targets[0].picture(0), seed=0)
-    for _ in range(2):
+    for _ in range(LOST):
         agent.act(scene.view(0))
     step = agent.act(scene.view(0))
     assert step.found or step.probabilities.max() == 1.0

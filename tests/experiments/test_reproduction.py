@@ -21,7 +21,7 @@ from active_perceiver.experiments.reproduction.tables import (
     table_1,
     table_2,
 )
-from active_perceiver.policies import exact_evaluation
+from active_perceiver.policies.evaluation import exact_evaluation
 from active_perceiver.scenes import open_scene
 from active_perceiver.search import location_mask
 from active_perceiver.vision.backbone import load_backbone

@@ -17,6 +17,7 @@ from active_perceiver.agent_config import AgentConfig, AgentError
 from active_perceiver.cli import main
 from active_perceiver.errors import UserError
 from active_perceiver.experiments import training
+from active_perceiver.experiments.robot_export import export_agent
 from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
 from active_perceiver.experiments.stages import learner_config
 from active_perceiver.experiments.view_measuring import agent_view_searches, measure_view_agent
@@ -255,3 +256,19 @@ def test_running_it_does_not_import_torch(folder, scene_file):
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "True False"
+
+
+def test_it_is_exported_without_a_recogniser(folder, agent, scene, tmp_path):
+    for int8 in (False, True):
+        export_agent(folder, tmp_path / f"robot_{int8}", int8=int8)
+    assert {path.name for path in (tmp_path / "robot_False").iterdir()} == {
+        "README.md", "backbone.onnx", "checksums.json", "config.json", "policy.onnx", "targets",
+    }  # fmt: skip
+    assert "for the views view_30, view_101, view_160." in (tmp_path / "robot_True" / "README.md").read_text()
+    robot, small = (ActivePerceiver.from_pretrained(tmp_path / f"robot_{int8}") for int8 in (False, True))
+    for one in (agent, robot, small):
+        one.reset(scene.view(STATES[1]), seed=0)
+    for state in (5, 60, 101):
+        expected = agent.act(scene.view(state))
+        np.testing.assert_array_equal(robot.act(scene.view(state)).probabilities, expected.probabilities)
+        assert small.act(scene.view(state)).found == expected.found == (state == STATES[1])

@@ -148,17 +148,7 @@ def test_a_robot_that_says_that_it_did_not_move_is_where_it_was(room, scene):
     explorer.look(room.looks @ room.looks[7], None)
     action = explorer.action()
     explorer.did(action)
-    explorer.look(drift(room, np.random.default_rng(1), 90), None, moved=False)
+    explorer.look(drift(room, np.random.default_rng(1), 7), None, moved=False)
     assert explorer._state == 7
     assert explorer._transitions[7, action] == 7
     assert explorer.action() != action
-
-
-def test_a_robot_that_says_that_it_moved_is_elsewhere_though_it_looks_the_same(room, scene):
-    explorer = Explorer(room, 1.0, THRESHOLD)
-    action = int((scene.transitions[7] != 7).argmax())
-    explorer.look(room.looks @ room.looks[7], None)
-    explorer.did(action)
-    explorer.look(room.looks @ room.looks[7], None, moved=True)
-    assert explorer._state == scene.transitions[7, action]
-    assert explorer._transitions[7, action] != 7

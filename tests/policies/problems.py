@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from active_perceiver.policies import Problem
+from active_perceiver.policies.problem import Problem
 from active_perceiver.search import Observations, SearchTask
 from toy import toy_scene
 

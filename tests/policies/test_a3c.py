@@ -14,10 +14,12 @@ import torch
 from a3c_failures import FailingWorker, KilledWorker
 from problems import toy_problem
 
-from active_perceiver.policies import LEARNERS, A3cConfig, exact_evaluation
 from active_perceiver.policies.a3c import train_a3c
 from active_perceiver.policies.a3c_processes import WorkerCrashError, live_side_by_side
 from active_perceiver.policies.a3c_worker import EpisodeWorker, SharedWeights
+from active_perceiver.policies.config import A3cConfig
+from active_perceiver.policies.evaluation import exact_evaluation
+from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.network import problem_table, seeded_network
 from active_perceiver.search import REWARDS, SearchEnv, SearchError
 
@@ -247,7 +249,8 @@ class TestSideBySide:
             f"sys.path[:0] = [{str(here)!r}, {str(here.parent)!r}]\n"
             "from pathlib import Path\n"
             "from problems import toy_problem\n"
-            "from active_perceiver.policies import LEARNERS, A3cConfig\n"
+            "from active_perceiver.policies.config import A3cConfig\n"
+            "from active_perceiver.policies.learners import LEARNERS\n"
             "if __name__ == '__main__':\n"
             "    config = A3cConfig(hidden=16, max_steps=60, check_every=10, iterations=10**8)\n"
             "    tell = lambda record: print('measured', flush=True)\n"

@@ -11,9 +11,10 @@ from problems import toy_problem
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.experiments.stages import learner_config
-from active_perceiver.policies import LEARNERS, DistilConfig, PpoConfig
+from active_perceiver.policies.config import DistilConfig, PpoConfig
 from active_perceiver.policies.distil import distillation_loss, optimal_actions
 from active_perceiver.policies.fitting import state_batches
+from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.network import picture_tensors
 from active_perceiver.scenes.lattice import steps_to_goal
 from active_perceiver.search import SearchError

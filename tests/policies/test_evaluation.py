@@ -8,15 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from problems import random_table, toy_problem
 
-from active_perceiver.policies import (
-    RandomPolicy,
-    episode_evaluation,
-    exact_evaluation,
-    mean_evaluation,
-    policy_table,
-    run_episode,
-)
+from active_perceiver.policies import RandomPolicy, policy_table
 from active_perceiver.policies.arrivals import exact_arrivals
+from active_perceiver.policies.evaluation import episode_evaluation, exact_evaluation, mean_evaluation
+from active_perceiver.policies.sampling import run_episode
 from active_perceiver.search import SearchEnv, SearchError, SearchTask
 
 

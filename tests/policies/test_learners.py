@@ -10,15 +10,10 @@ import pytest
 import torch
 from problems import random_table, toy_problem
 
-from active_perceiver.policies import (
-    LEARNERS,
-    DistilConfig,
-    MirrorDescentConfig,
-    PpoConfig,
-    exact_evaluation,
-    learner_named,
-)
 from active_perceiver.policies.advantages import exact_advantages
+from active_perceiver.policies.config import DistilConfig, MirrorDescentConfig, PpoConfig
+from active_perceiver.policies.evaluation import exact_evaluation
+from active_perceiver.policies.learners import LEARNERS, learner_named
 from active_perceiver.policies.network import picture_tensors, problem_table, seeded_network
 from active_perceiver.policies.ppo import PairSums, SceneSamples
 from active_perceiver.policies.rollouts import Rollout, RolloutWorker, estimate_advantages

@@ -5,9 +5,11 @@ import pytest
 import torch
 from problems import toy_problem
 
-from active_perceiver.policies import MirrorDescentConfig, Policy, Problem, policy_table
+from active_perceiver.policies import Policy, policy_table
+from active_perceiver.policies.config import MirrorDescentConfig
 from active_perceiver.policies.export import export_policy, load_network, policy_model, save_network
 from active_perceiver.policies.network import PolicyNetwork, picture_tensors, problem_table, seeded_network
+from active_perceiver.policies.problem import Problem
 from active_perceiver.scenes import TURTLEBOT_ACTIONS
 from active_perceiver.search import Observations, SearchError
 

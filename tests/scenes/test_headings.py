@@ -13,9 +13,10 @@ from active_perceiver.experiments.scene_report import describe
 from active_perceiver.figures.contact_sheet import contact_sheet
 from active_perceiver.figures.entropy_map import entropy_maps, lattice_spacing
 from active_perceiver.figures.floor import figure_image, trajectory_figure
-from active_perceiver.policies import LEARNERS, Problem
 from active_perceiver.policies.config import DistilConfig
 from active_perceiver.policies.evaluation import exact_evaluation
+from active_perceiver.policies.learners import LEARNERS
+from active_perceiver.policies.problem import Problem
 from active_perceiver.robots.recorded import RecordedRobot
 from active_perceiver.scenes import Action, Scene, load_scene, save_scene
 from active_perceiver.scenes.checking import scene_problems

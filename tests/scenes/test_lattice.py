@@ -16,6 +16,7 @@ from active_perceiver.scenes.lattice import (
     lattice_poses,
     lattice_transitions,
     shortest_path,
+    steps_from,
     steps_to_goal,
 )
 
@@ -74,6 +75,8 @@ def test_steps_and_paths_agree_with_networkx(lattice, data):
     steps = steps_to_goal(transitions, goals)
     assert [expected.get(s, UNREACHABLE) for s in range(states)] == steps.tolist()
     start = data.draw(st.integers(0, states - 1))
+    away = networkx.single_source_shortest_path_length(graph_of(transitions), start)
+    assert [away.get(s, UNREACHABLE) for s in range(states)] == steps_from(transitions, start).tolist()
     path = shortest_path(transitions, goals, start)
     assert len(path) == steps[start] + 1
     if path:

@@ -2,7 +2,7 @@
 
 A policy knows a room's views by heart, and a little noise or blur, or a robot that stands a hand's breadth aside,
 makes them other views. Having been shown a few changed copies of them too, it takes them for what they are
-(docs/benchmarks/robustness.md, docs/benchmarks/off_grid.md).
+(docs/benchmarks/robustness.md, docs/benchmarks/robot.md).
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ from active_perceiver.agent_config import AgentConfig, SearchKind
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.experiments.sightings import Sightings
-from active_perceiver.policies import LEARNERS, learner_named
 from active_perceiver.policies.config import LearnerConfig
+from active_perceiver.policies.learners import LEARNERS, learner_named
 from active_perceiver.policies.problem import Problem
 from active_perceiver.progress import console, progress_bar
 from active_perceiver.scenes import Scene, open_scene

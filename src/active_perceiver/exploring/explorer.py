@@ -11,15 +11,13 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csgraph
 
 from active_perceiver.exploring.room_map import RoomMap
 from active_perceiver.exploring.triangulation import Estimate, Sighting, estimates, expected_areas
+from active_perceiver.exploring.whereabouts import Whereabouts
 from active_perceiver.recognition.recogniser import Detection
-from active_perceiver.scenes.lattice import transition_graph
+from active_perceiver.scenes.lattice import UNREACHABLE, steps_from, steps_to_goal
 
-SURPRISE = 0.01
-"""How much more alike to another state a view has to be than to where the last action leads, to be taken for it."""
 HEAD_START = 5
 """Actions added to the way when what is new at its end is weighed against its length."""
 WORTH_A_LOOK = 0.8
@@ -54,10 +52,10 @@ class Explorer:
         self._looked = np.zeros(states, bool)
         self._sightings: dict[int, Sighting] = {}
         self._estimates: list[Estimate] | None = []
+        self._whereabouts = Whereabouts(states)
         self._state = -1
         self._action: int | None = None
         self._goal: int | None = None
-        self._graph = transition_graph(self._transitions)
         self._explored = 0
 
     def look(self, likeness: NDArray[np.floating], detection: Detection | None, moved: bool | None = None) -> None:
@@ -68,30 +66,15 @@ class Explorer:
             detection: where the target is seen, None if it is not.
             moved: whether the last action moved the robot, if it says so; else the view tells.
         """
-        state = self._locate(likeness, moved)
-        if self._action is not None and state == self._state:
+        state = self._whereabouts.look(likeness, self._transitions, self._action, moved)
+        if self._action is not None and state == self._state and not moved:
             self._transitions[state, self._action] = state  # blocked, whatever the map says
-            self._graph = transition_graph(self._transitions)
         self._state, self._action = state, None
         self._known = np.maximum(self._known, likeness)
         self._looked[state] = True
         if detection is not None and state not in self._sightings:
             self._sightings[state] = Sighting(state, detection.box, detection.score)
             self._estimates = None
-
-    def _locate(self, likeness: NDArray[np.floating], moved: bool | None) -> int:
-        best = int(likeness.argmax())
-        if self._action is None:
-            return best
-        if moved is False:
-            return self._state
-        expected = int(self._transitions[self._state, self._action])
-        if likeness[expected] >= likeness[best] - SURPRISE and expected != self._state:
-            return expected
-        if moved and best == self._state:
-            # It says that it moved, so it is somewhere else, however little that shows.
-            return expected if expected != self._state else int(np.argsort(likeness)[-2:][0])
-        return best
 
     def did(self, action: int) -> None:
         """Note the action that is carried out next."""
@@ -107,8 +90,8 @@ class Explorer:
         goal = self._place_to_look_at_it()
         if goal is None:
             goal = self._something_new()
-        steps = csgraph.dijkstra(self._graph.T, indices=goal, unweighted=True)
-        if np.isinf(steps[self._state]):
+        steps = steps_to_goal(self._transitions, np.arange(len(self._looked)) == goal)
+        if steps[self._state] == UNREACHABLE:
             self._looked[goal], self._known[goal] = True, 1.0
             return int((self._transitions[self._state] != self._state).argmax())
         return int((steps[self._transitions[self._state]] == steps[self._state] - 1).argmax())
@@ -136,6 +119,7 @@ class Explorer:
         """The state whose view promises most that is new, for the way there; the same until it was looked at."""
         if self._goal is not None and not self._looked[self._goal]:
             return self._goal
-        steps = csgraph.dijkstra(self._graph, indices=self._state, unweighted=True)
-        self._goal = int(((1.0 - self._known) / (steps + HEAD_START) - self._looked).argmax())
+        steps = steps_from(self._transitions, self._state)
+        promised = np.where(steps == UNREACHABLE, 0.0, (1.0 - self._known) / (steps + HEAD_START))
+        self._goal = int((promised - self._looked).argmax())
         return self._goal

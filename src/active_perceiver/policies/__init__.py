@@ -1,44 +1,9 @@
-"""Policies: what they are at run time, how they are trained, how well they search. Only training imports torch."""
+"""Policies: what they are at run time. How they are trained and measured is in modules of their own.
 
-from active_perceiver.policies.config import (
-    A3cConfig,
-    DistilConfig,
-    LearnerConfig,
-    MirrorDescentConfig,
-    PpoConfig,
-)
-from active_perceiver.policies.evaluation import (
-    Evaluation,
-    SearchResult,
-    episode_evaluation,
-    exact_evaluation,
-    mean_evaluation,
-)
-from active_perceiver.policies.learners import LEARNERS, Learner, learner_named
+`learners` has the table of learners, `config` their settings, `problem` what they are given; `evaluation` says how
+well a policy searches, `sampling` runs episodes. Those need more than a robot has, so they are not imported here.
+"""
+
 from active_perceiver.policies.policy import ActionPolicy, Policy, RandomPolicy, policy_table
-from active_perceiver.policies.problem import Problem
-from active_perceiver.policies.sampling import ActionSampler, Episode, run_episode
 
-__all__ = [
-    "LEARNERS",
-    "A3cConfig",
-    "ActionPolicy",
-    "ActionSampler",
-    "DistilConfig",
-    "Episode",
-    "Evaluation",
-    "Learner",
-    "LearnerConfig",
-    "MirrorDescentConfig",
-    "Policy",
-    "PpoConfig",
-    "Problem",
-    "RandomPolicy",
-    "SearchResult",
-    "episode_evaluation",
-    "exact_evaluation",
-    "learner_named",
-    "mean_evaluation",
-    "policy_table",
-    "run_episode",
-]
+__all__ = ["ActionPolicy", "Policy", "RandomPolicy", "policy_table"]

@@ -10,11 +10,11 @@ import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 
+from active_perceiver.errors import SearchError
 from active_perceiver.files import replacing
 from active_perceiver.policies.a3c_worker import SharedWeights
 from active_perceiver.policies.config import A3cConfig
 from active_perceiver.policies.monitor import Record
-from active_perceiver.search.task import SearchError
 
 _KINDS = ("weights", "squares")
 

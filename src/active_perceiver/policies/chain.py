@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.errors import SearchError
+from active_perceiver.search.task import SearchTask
 
 
 def checked_table(table: NDArray[np.floating], task: SearchTask) -> NDArray[np.float64]:

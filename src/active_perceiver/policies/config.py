@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from active_perceiver.errors import SearchError
 from active_perceiver.search.rewards import REWARDS, Reward, reward_named
-from active_perceiver.search.task import SearchError
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.errors import SearchError
 from active_perceiver.policies.arrivals import LIMIT, Arrivals, episode_arrivals, exact_arrivals
 from active_perceiver.policies.chain import checked_table
 from active_perceiver.policies.sampling import ActionSampler
 from active_perceiver.search.rewards import REWARDS
 from active_perceiver.search.searches import Searches
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.task import SearchTask
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,11 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 from torch import nn
 
+from active_perceiver.errors import SearchError
 from active_perceiver.policies.network import PolicyNetwork
 from active_perceiver.policies.policy import KIND, Policy
 from active_perceiver.scenes.storage import replacing
-from active_perceiver.search.location import GRID
-from active_perceiver.search.task import SearchError
+from active_perceiver.vision.location import GRID
 
 OPSET = 17
 TOLERANCE = 1e-4

@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from active_perceiver.errors import SearchError
 from active_perceiver.policies.config import (
     A3cConfig,
     DistilConfig,
@@ -17,7 +18,6 @@ from active_perceiver.policies.config import (
     PpoConfig,
 )
 from active_perceiver.policies.problem import Problem
-from active_perceiver.search.task import SearchError
 
 if TYPE_CHECKING:
     from active_perceiver.policies.monitor import Inspect

@@ -9,11 +9,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from active_perceiver.errors import SearchError
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.problem import Problem
-from active_perceiver.search.location import GRID
 from active_perceiver.search.observations import Observations
-from active_perceiver.search.task import SearchError
+from active_perceiver.vision.location import GRID
 
 TABLE_STATES = 512
 """States of which `log_table` has the hidden layers at once; with more it is no faster."""

@@ -5,16 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import onnxruntime
 from numpy.typing import NDArray
 
-from active_perceiver.search.location import GRID
-from active_perceiver.search.observations import Observations
-from active_perceiver.search.task import SearchError
+from active_perceiver.errors import SearchError
+from active_perceiver.vision.location import GRID
 from active_perceiver.vision.sessions import ModelFileError, open_session
+
+if TYPE_CHECKING:
+    from active_perceiver.search.observations import Observations
 
 KIND = "active-perceiver-policy"
 

@@ -124,6 +124,7 @@ class Driver:
 
     Attributes:
         plan: where the base should be; where it was when the first action began, until then None.
+        stays: whether the base stays at the end of a blocked way most of which is free; else it always drives back.
     """
 
     def __init__(self, base: Base, limits: Limits, step: float, turn: float = 90.0) -> None:
@@ -134,6 +135,7 @@ class Driver:
             )
         self.limits = limits
         self.plan: Plan | None = None
+        self.stays = True
         self._base = base
         self._step = step
         self._turn = turn
@@ -173,7 +175,7 @@ class Driver:
                 self.plan = goal
                 return True
             at = self._base.odometry()
-            if math.hypot(goal.x - at.x, goal.z - at.z) < math.hypot(before.x - at.x, before.z - at.z):
+            if self.stays and math.hypot(goal.x - at.x, goal.z - at.z) < math.hypot(before.x - at.x, before.z - at.z):
                 self.plan = _towards(at, before, BACKING, goal.heading)
                 self._reach(self.plan)
                 return True

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import Self
 
 from active_perceiver.errors import UserError
 from active_perceiver.scenes import Action, Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class RecordedRobot:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import Self
 
 from active_perceiver.scenes import Action
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 @runtime_checkable

@@ -16,11 +16,14 @@ from typing_extensions import Self
 from active_perceiver.errors import UserError
 from active_perceiver.robots.body import Body, Slip
 from active_perceiver.robots.motion import Driver, Limits
-from active_perceiver.rooms.live_room import LiveRoom, open_room
+from active_perceiver.rooms.live_room import WEBCAM, LiveRoom, open_room, scene_of
 from active_perceiver.scenes import Action
 from active_perceiver.scenes.lattice import LOOK, lattice_poses
 
-__all__ = ["LiveRoom", "Pose", "SimulatedRobot", "lattice_start", "open_room", "random_start"]
+__all__ = [
+    "WEBCAM", "LiveRoom", "Pose", "SimulatedRobot", "lattice_start", "nearest_pose", "open_room", "random_start",
+    "scene_of",
+]  # fmt: skip
 
 HEADINGS = (0.0, 90.0, 180.0, 270.0)
 # Places drawn near a lattice's until one is free.
@@ -62,6 +65,7 @@ class SimulatedRobot:
         self.room = room
         self.body = Body(x, z, heading, room.free, slip, seed)
         self.driver = Driver(self.body, limits or Limits(), room.settings.spacing)
+        self._looks = 0
         self._actions = actions or room.settings.actions
         self._tilts = room.settings.tilts
         nearest = int(np.abs(np.array(self._tilts) - tilt).argmin())
@@ -74,7 +78,8 @@ class SimulatedRobot:
 
     def look(self) -> NDArray[np.uint8]:
         """What its camera sees now, (H, W, 3) uint8 RGB, rendered."""
-        image, _ = self.room.look(self.pose())
+        self._looks += 1
+        image, _ = self.room.look(self.pose(), moment=self._looks)
         return image
 
     def pose(self) -> Pose:
@@ -146,3 +151,11 @@ def lattice_start(room: LiveRoom, state: int) -> Pose:
         raise UserError(f"{room.name} has states 0 to {len(poses) - 1}; there is no state {state}")
     x, z, heading, tilt = (float(value) for value in poses[state])
     return x, z, heading, tilt
+
+
+def nearest_pose(room: LiveRoom, pose: Pose) -> Pose:
+    """The pose of the lattice that is nearest to another one, place, heading and tilt each on their own."""
+    x, z, heading, tilt = pose
+    places, tilts = room.places(), np.array(room.settings.tilts)
+    near_x, near_z = places[np.hypot(*(places - (x, z)).T).argmin()]
+    return float(near_x), float(near_z), round(heading / 90) % 4 * 90.0, float(tilts[np.abs(tilts - tilt).argmin()])

@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.progress import Report, progress_bar
+from active_perceiver.rooms.capturing.camera_faults import CameraFaults
 from active_perceiver.rooms.capturing.capture import look
 from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureSettings
 from active_perceiver.rooms.capturing.rendering import origin_of
@@ -22,6 +23,8 @@ from active_perceiver.scenes import bundled_names, open_scene
 
 # As scene files are named: kitchen_1, kitchen_1_hour_dusk, kitchen_1_moved_2, kitchen_1_hour_dusk_moved_2.
 NAME = re.compile(r"(?P<scene>[a-z_]+?(_\d+)?)(_hour_(?P<hour>[a-z_]+?))?(_moved_(?P<moved>\d+))?")
+
+WEBCAM = CameraFaults()
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,10 +44,13 @@ class LiveRoom:
     seed: int
 
     def look(
-        self, pose: Sequence[float], targets: Sequence[str] = ()
+        self, pose: Sequence[float], targets: Sequence[str] = (), moment: int = 0
     ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """What the camera sees from a pose, (H, W, 3) uint8, and boxes of targets, (T, 4); see `capture.look`."""
-        return look(self.baked, self.settings, pose, targets, self.seed)
+        """What the camera sees from a pose, (H, W, 3) uint8, and boxes of targets, (T, 4); see `capture.look`.
+
+        At another moment the same camera makes other mistakes.
+        """
+        return look(self.baked, self.settings, pose, targets, self.seed + moment)
 
     def free(self, x: float, z: float) -> bool:
         """Whether the robot's middle may be at a place: nothing is closer than its radius."""
@@ -71,7 +77,7 @@ def open_room(
     *,
     nudge: float = 0.0,
     seed: int = 0,
-    settings: CaptureSettings | None = None,
+    faults: CameraFaults | None = WEBCAM,
     progress: Callable[[str], AbstractContextManager[Report]] = progress_bar,
 ) -> LiveRoom:
     """Furnish a room and compute its light, which takes some seconds.
@@ -81,32 +87,46 @@ def open_room(
             the things: "kitchen_1", "kitchen_1_hour_dusk", "kitchen_1_moved_2".
         nudge: metres by which every target is moved at most, in a direction of its own.
         seed: of the nudges, the light's randomness and the camera's faults.
-        settings: None for those with which scenes of the layout are captured.
+        faults: of the robot's camera, whatever the scenes were captured with; None for a perfect one.
         progress: opens a progress bar.
 
     Raises:
         LayoutError: if there is no such room.
     """
+    layout, seed_of_room, hour, moved = _named(name)
+    settings = replace(DEFAULT_SETTINGS.get(layout, CaptureSettings()), faults=faults)
+    with progress(f"light of {name}") as report:
+        room = make_room(layout, seed_of_room, hour=hour, moved=moved)
+        if nudge:
+            room = nudged(room, nudge, seed)
+        baked = bake(room, settings.bake_rays, settings.bounces, seed_of_room, report)
+    return LiveRoom(scene_of(name), baked, settings, seed)
+
+
+def scene_of(name: str) -> str:
+    """Name of the scene whose room a room is at another hour or in another arrangement; see `open_room`.
+
+    Raises:
+        LayoutError: if there is no such room.
+    """
+    _named(name)
+    return name.partition("_hour_")[0].partition("_moved_")[0]
+
+
+def _named(name: str) -> tuple[str, int, str | None, int | None]:
+    """Layout, seed, hour and arrangement."""
     found = NAME.fullmatch(name)
     scene = found["scene"] if found else ""
     layout, _, number = scene.rpartition("_")
-    if scene in bundled_names():
-        layout, seed_of_room = origin_of(open_scene(scene))
-    elif layout in LAYOUTS and number.isdigit():
-        seed_of_room = int(number)
+    if found and scene in bundled_names():
+        layout, seed = origin_of(open_scene(scene))
+    elif found and layout in LAYOUTS and number.isdigit():
+        seed = int(number)
     else:
         raise LayoutError(
             f"'{name}' is no room that can be made; name a bundled scene, or a layout ({', '.join(sorted(LAYOUTS))}) "
             "and a number, kitchen_1 for example, and perhaps an hour or an arrangement: kitchen_1_hour_dusk, "
             "kitchen_1_moved_2"
         )
-    hour, moved = found.group("hour", "moved") if found else (None, None)
-    settings = settings or DEFAULT_SETTINGS.get(layout, CaptureSettings())
-    with progress(f"light of {name}") as report:
-        room = make_room(
-            layout, seed_of_room, hour=hour and hour.replace("_", " "), moved=None if moved is None else int(moved)
-        )
-        if nudge:
-            room = nudged(room, nudge, seed)
-        baked = bake(room, settings.bake_rays, settings.bounces, seed_of_room, report)
-    return LiveRoom(scene, baked, settings, seed)
+    hour, moved = found.group("hour", "moved")
+    return layout, seed, hour and hour.replace("_", " "), None if moved is None else int(moved)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import mmap
 import struct
 from pathlib import Path
-
-import h5py
+from typing import TYPE_CHECKING
 
 from active_perceiver.scenes.scene import SceneError
+
+if TYPE_CHECKING:
+    import h5py
 
 # A collection of the global heap, which holds values of varying length, begins with its mark, version, three unused
 # bytes and size; each value with its number, count, four unused bytes and size. See "Disk Format: Level 1E" of

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import Enum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse import csgraph
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 UNREACHABLE = -1
 
@@ -113,6 +115,8 @@ def lattice_transitions(poses: NDArray[np.floating], actions: Sequence[Action], 
 
 def transition_graph(transitions: NDArray[np.integer]) -> sparse.csr_array:
     """The scene as a directed graph: (S, S) with a 1 where one action leads, blocked moves left out."""
+    from scipy import sparse  # a robot never needs it, and is not asked to have it
+
     states, actions = transitions.shape
     source = np.repeat(np.arange(states), actions)
     goes = transitions.ravel() != source
@@ -125,6 +129,8 @@ def transition_graph(transitions: NDArray[np.integer]) -> sparse.csr_array:
 
 def islands(transitions: NDArray[np.integer]) -> NDArray[np.int64]:
     """Number of the strongly connected part of each state, (S,); 0 is the largest."""
+    from scipy.sparse import csgraph  # as above
+
     _, labels = csgraph.connected_components(transition_graph(transitions), connection="strong")
     order = np.argsort(-np.bincount(labels), kind="stable")
     return np.argsort(order)[labels]
@@ -159,15 +165,25 @@ def steps_to_goal(transitions: NDArray[np.integer], goals: NDArray[np.bool_]) ->
     Returns:
         (S,) int64, 0 at goals, `UNREACHABLE` (-1) where no way leads.
     """
-    states = len(transitions)
-    if not goals.any():
-        return np.full(states, UNREACHABLE)
-    backwards = transition_graph(transitions).T
-    # One extra node from which every goal is one edge away turns many searches into one.
-    source = sparse.csr_array(goals[None].astype(float))
-    graph = sparse.block_array([[None, source], [sparse.csr_array((states, 1)), backwards]], format="csr")
-    steps = csgraph.dijkstra(graph, indices=0, unweighted=True)[1:] - 1
-    return np.where(np.isinf(steps), UNREACHABLE, steps).astype(np.int64)
+    steps = np.where(goals, 0, UNREACHABLE).astype(np.int64)
+    for distance in range(1, len(transitions)):
+        left = np.flatnonzero(steps == UNREACHABLE)
+        arrived = left[(steps[transitions[left]] != UNREACHABLE).any(axis=1)]
+        if not len(arrived):
+            break
+        steps[arrived] = distance
+    return steps
+
+
+def steps_from(transitions: NDArray[np.integer], start: int) -> NDArray[np.int64]:
+    """Fewest actions from `start` to each state, (S,) int64; `UNREACHABLE` (-1) where no way leads."""
+    steps = np.full(len(transitions), UNREACHABLE, np.int64)
+    arrived, distance = np.array([start]), 0
+    while len(arrived):
+        steps[arrived] = distance
+        following = np.unique(transitions[arrived])
+        arrived, distance = following[steps[following] == UNREACHABLE], distance + 1
+    return steps
 
 
 def shortest_path(transitions: NDArray[np.integer], goals: NDArray[np.bool_], start: int) -> list[int]:

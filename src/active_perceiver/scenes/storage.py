@@ -13,9 +13,8 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +22,9 @@ from active_perceiver.files import replacing
 from active_perceiver.scenes.hdf5 import check_heaps, check_stored
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import FloorPlan, Scene, SceneError, Target
+
+if TYPE_CHECKING:
+    import h5py
 
 FORMAT = "active-perceiver-scene"
 VERSION = 1
@@ -38,7 +40,9 @@ def save_scene(scene: Scene, path: Path | str, *, force: bool = False) -> None:
 
     Raises:
         OutputExistsError: if the file exists and `force` is false.
+        SceneError: if h5py is not installed.
     """
+    h5py = _h5py()
     with replacing(Path(path), force) as temporary, h5py.File(temporary, "w") as file:
         file.attrs.update(
             format=FORMAT,
@@ -71,7 +75,9 @@ def load_scene(path: Path | str) -> Scene:
 
     Raises:
         SceneError: if the file is missing, not HDF5, truncated, of another format or version, or not sound.
+        SceneError: if h5py is not installed.
     """
+    h5py = _h5py()
     path = Path(path)
     if not path.is_file():
         raise SceneError(f"there is no scene file {path}; see `active-perceiver scenes list` for bundled scenes")
@@ -90,6 +96,15 @@ def load_scene(path: Path | str) -> Scene:
     except (KeyError, ValueError, TypeError, AttributeError) as error:
         reason = " ".join(str(error).split())
         raise SceneError(f"{path} is damaged or not a scene of version {VERSION}: {reason:.200}") from None
+
+
+def _h5py() -> Any:
+    """The library of scene files, imported when the first one is: a robot needs none, and is not asked to have it."""
+    try:
+        import h5py
+    except ImportError:
+        raise SceneError("scene files are read and written with h5py, which is not here: pip install h5py") from None
+    return h5py
 
 
 def _read(file: h5py.File) -> Scene:
@@ -130,7 +145,7 @@ def _attribute(holder: h5py.HLObject, name: str, kind: type | tuple[type, ...]) 
 def _array(group: h5py.Group, name: str) -> h5py.Dataset:
     """A dataset of numbers that can be read."""
     found = group[name]
-    if not isinstance(found, h5py.Dataset) or found.shape is None or found.dtype.kind not in "iufO":
+    if not isinstance(found, _h5py().Dataset) or found.shape is None or found.dtype.kind not in "iufO":
         raise SceneError(f"'{name}' is not a dataset of numbers")
     check_stored(found)
     return found
@@ -192,13 +207,13 @@ def _polygon(group: h5py.Group, name: str) -> NDArray[np.float64]:
 
 
 def _write_blobs(group: h5py.Group, name: str, blobs: Sequence[bytes]) -> None:
-    dataset = group.create_dataset(name, (len(blobs),), dtype=h5py.vlen_dtype(np.uint8))
+    dataset = group.create_dataset(name, (len(blobs),), dtype=_h5py().vlen_dtype(np.uint8))
     for index, blob in enumerate(blobs):
         dataset[index] = np.frombuffer(blob, np.uint8)
 
 
 def _read_blobs(group: h5py.Group, name: str) -> tuple[bytes, ...]:
     found = _array(group, name)
-    if h5py.check_vlen_dtype(found.dtype) != np.uint8 or found.ndim != 1:
+    if _h5py().check_vlen_dtype(found.dtype) != np.uint8 or found.ndim != 1:
         raise SceneError(f"'{name}' is {found.dtype} of shape {found.shape}, expected a list of encoded images")
     return tuple(blob.tobytes() for blob in found[()])

@@ -5,15 +5,16 @@ import, make one as `gymnasium.make("active_perceiver.search:ActivePerceiver/Sea
 `registration`.
 """
 
+from active_perceiver.errors import SearchError
 from active_perceiver.search.env import SearchEnv
-from active_perceiver.search.location import location_mask
 from active_perceiver.search.observations import Observations
 from active_perceiver.search.registration import register_environments
 from active_perceiver.search.rewards import REWARDS, Reward, reward_named
 from active_perceiver.search.searches import Searches
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.task import SearchTask
 from active_perceiver.search.vector_env import SearchVectorEnv
 from active_perceiver.search.view_task import view_observations, view_task
+from active_perceiver.vision.location import location_mask
 
 __all__ = [
     "REWARDS",

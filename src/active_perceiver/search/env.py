@@ -11,12 +11,13 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from active_perceiver.errors import SearchError
 from active_perceiver.scenes import Scene
 from active_perceiver.search.env_tables import RENDER_MODES, check_render_mode, env_tables
 from active_perceiver.search.observation_modes import ObservationMode
 from active_perceiver.search.observations import Observations
 from active_perceiver.search.rewards import reward_named
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.task import SearchTask
 
 
 class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):

@@ -12,10 +12,11 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from active_perceiver.errors import SearchError
 from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.search.observation_modes import Shown, shown_in
 from active_perceiver.search.observations import Observations
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.task import SearchTask
 
 RESET_OPTIONS = ("start", "target", "picture")
 RENDER_MODES = ("rgb_array",)

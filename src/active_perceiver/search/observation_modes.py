@@ -12,14 +12,15 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from active_perceiver.errors import SearchError
 from active_perceiver.progress import progress_bar
 from active_perceiver.scenes import Scene
 from active_perceiver.scenes.images import square_image
-from active_perceiver.search.location import GRID
 from active_perceiver.search.observations import Observations
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.task import SearchTask
 from active_perceiver.vision.backbone import IMAGE_SIZE, load_backbone
 from active_perceiver.vision.cache import scene_features
+from active_perceiver.vision.location import GRID
 
 ObservationMode = Literal["image", "features", "boxes"]
 MODES: tuple[str, ...] = get_args(ObservationMode)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.search.location import GRID, location_mask
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.errors import SearchError
+from active_perceiver.search.task import SearchTask
+from active_perceiver.vision.location import GRID, location_mask
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.errors import SearchError
+from active_perceiver.search.task import SearchTask
 
 STEP_COST = 0.02
 GAIN_WEIGHT = 0.3

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.errors import SearchError
 from active_perceiver.search.rewards import Reward
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.task import SearchTask
 
 
 class Outcome(NamedTuple):

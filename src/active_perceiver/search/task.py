@@ -9,13 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.errors import UserError
+from active_perceiver.errors import SearchError
 from active_perceiver.scenes import Scene
 from active_perceiver.scenes.lattice import goal_states, steps_to_goal
-
-
-class SearchError(UserError, ValueError):
-    """A search task, observation or setting that is not sound; the message says what is wrong and what to do."""
 
 
 @dataclass(frozen=True, eq=False)

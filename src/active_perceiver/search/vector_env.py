@@ -12,6 +12,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from active_perceiver.errors import SearchError
 from active_perceiver.scenes import Scene
 from active_perceiver.search.env import SearchEnv
 from active_perceiver.search.env_tables import check_render_mode, env_tables
@@ -19,7 +20,7 @@ from active_perceiver.search.observation_modes import ObservationMode
 from active_perceiver.search.observations import Observations
 from active_perceiver.search.rewards import reward_named
 from active_perceiver.search.searches import Searches
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.task import SearchTask
 
 
 class SearchVectorEnv(VectorEnv[dict[str, NDArray[Any]], NDArray[np.int64], NDArray[Any]]):

@@ -11,11 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.errors import SearchError
 from active_perceiver.scenes import Scene
 from active_perceiver.scenes.lattice import steps_to_goal
-from active_perceiver.search.location import GRID
 from active_perceiver.search.observations import Observations
-from active_perceiver.search.task import SearchError, SearchTask
+from active_perceiver.search.task import SearchTask
+from active_perceiver.vision.location import GRID
 
 _PREFIX = "view_"
 

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import platformdirs
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
@@ -71,8 +70,21 @@ BACKBONES: dict[str, BackboneKind] = {
 
 
 def cache_folder() -> Path:
-    """Where converted backbones and features of scenes are kept; set ACTIVE_PERCEIVER_CACHE to choose another."""
-    return Path(os.environ.get("ACTIVE_PERCEIVER_CACHE") or platformdirs.user_cache_dir("active-perceiver"))
+    """Where converted backbones and features of scenes are kept; set ACTIVE_PERCEIVER_CACHE to choose another.
+
+    Raises:
+        BackboneError: if no folder is chosen and platformdirs, which knows the user's, is not installed.
+    """
+    if chosen := os.environ.get("ACTIVE_PERCEIVER_CACHE"):
+        return Path(chosen)
+    try:
+        import platformdirs  # a robot with an exported agent has no cache, and is not asked to have it
+    except ImportError:
+        raise BackboneError(
+            "there is no cache to look for a backbone in: `active-perceiver export` makes an agent's folder that "
+            "holds its own; or set ACTIVE_PERCEIVER_CACHE to a folder, or pip install platformdirs"
+        ) from None
+    return Path(platformdirs.user_cache_dir("active-perceiver"))
 
 
 def pooled(maps: NDArray[np.floating]) -> NDArray[np.float32]:

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -86,7 +86,7 @@ def measure_act_speed(settings: ActSpeedSettings, progress: Report = quiet) -> d
     actions = []
     with tempfile.TemporaryDirectory(prefix="active-perceiver-") as name:
         work = Path(name)
-        pictures = _write_pictures(scene, settings.frame, work)
+        pictures = write_pictures(scene, settings.frame, work)
         kinds = 1 if find_spec("torch") is None else 2
         subjects = [settings.agent] if settings.agent is not None else list(settings.backbones or BACKBONES)
         total = len(subjects) * len(settings.threads) * settings.starts * kinds
@@ -101,10 +101,10 @@ def measure_act_speed(settings: ActSpeedSettings, progress: Report = quiet) -> d
                 # By turns, so that a disturbance meets both.
                 for _ in range(settings.starts):
                     for kept, request in zip(runs, (agent, eager)[:kinds], strict=False):
-                        kept.append(_run(request))
+                        kept.append(run_process(request))
                         progress(next(processes), total, f"{subject.backbone}, {threads} thread(s)")
-                measured = _summary(runs[0])
-                torch = _summary(runs[1]) if runs[1] else None
+                measured = summary_of(runs[0])
+                torch = summary_of(runs[1]) if runs[1] else None
                 actions.append({**about, "weights": subject.weights, "threads": threads, **measured, "torch": torch})
     protocol = {
         "scene": scene.name,
@@ -157,7 +157,7 @@ def _make_agent(folder: Path, name: str, image_size: int, scene: Scene) -> str:
     return "published backbone, random recogniser and policy" if cached else "random"
 
 
-def _write_pictures(scene: Scene, frame: tuple[int, int], work: Path) -> dict[str, Any]:
+def write_pictures(scene: Scene, frame: tuple[int, int], work: Path) -> dict[str, Any]:
     """What the camera sees, and a picture of the first target, as files."""
     frames = []
     for number, state in enumerate(np.linspace(0, len(scene) - 1, min(FRAMES, len(scene)), dtype=int).tolist()):
@@ -170,8 +170,15 @@ def _write_pictures(scene: Scene, frame: tuple[int, int], work: Path) -> dict[st
     return {"frames": frames, "picture": str(picture)}
 
 
-def _run(request: dict[str, Any]) -> dict[str, Any]:
+def run_process(
+    request: dict[str, Any], python: Path | str = sys.executable, variables: Mapping[str, str] = os.environ
+) -> dict[str, Any]:
     """What a fresh process prints; see `act_process.py`.
+
+    Args:
+        request: what it is to do.
+        python: the interpreter.
+        variables: of its environment; numbers of threads are added.
 
     Raises:
         UserError: if it failed; what it says last is why.
@@ -179,10 +186,10 @@ def _run(request: dict[str, Any]) -> dict[str, Any]:
     threads = str(request["threads"])
     done = subprocess.run(
         [
-            sys.executable, "-m", "active_perceiver.experiments.benchmarks.act_process",
+            str(python), "-m", "active_perceiver.experiments.benchmarks.act_process",
             json.dumps({**request, "launched": time.time()}),
         ],
-        env={**os.environ, "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads},
+        env={**variables, "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode != 0:
@@ -191,7 +198,7 @@ def _run(request: dict[str, Any]) -> dict[str, Any]:
     return json.loads(done.stdout)
 
 
-def _summary(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def summary_of(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """One description of the processes that did the same."""
     seconds = {part: np.concatenate([run["seconds"][part] for run in runs]) for part in runs[0]["seconds"]}
     if "whole" in seconds:

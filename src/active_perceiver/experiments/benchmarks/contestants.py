@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 
 from active_perceiver.errors import UserError
-from active_perceiver.policies import LEARNERS
 from active_perceiver.policies.config import (
     A3cConfig,
     DistilConfig,
@@ -15,7 +14,7 @@ from active_perceiver.policies.config import (
     PpoConfig,
     RewardConfig,
 )
-from active_perceiver.policies.learners import Learner
+from active_perceiver.policies.learners import LEARNERS, Learner
 
 RATIO = 1.25
 """Times the shortest paths: the quality that is waited for, with success 1."""

@@ -24,8 +24,8 @@ from active_perceiver.experiments.evaluating import agent_sightings, as_asked
 from active_perceiver.experiments.stages import policy_problems
 from active_perceiver.figures.policies_spread import policies_spread
 from active_perceiver.perceiver import ActivePerceiver
-from active_perceiver.policies import learner_named
 from active_perceiver.policies.config import LearnerConfig
+from active_perceiver.policies.learners import learner_named
 from active_perceiver.policies.problem import Problem
 from active_perceiver.progress import Report, progress_bar, quiet
 from active_perceiver.scenes import open_scene

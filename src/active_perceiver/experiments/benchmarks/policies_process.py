@@ -9,9 +9,9 @@ from typing import Any
 
 from active_perceiver.experiments.policy_figures import evaluate_tables
 from active_perceiver.experiments.settings import EvaluateSettings
-from active_perceiver.policies import LEARNERS
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.evaluation import Evaluation
+from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.problem import Problem
 
 FINE_RATIO = 1.02

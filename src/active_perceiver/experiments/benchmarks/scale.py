@@ -24,7 +24,7 @@ from active_perceiver.experiments.benchmarks.synthetic_scenes import (
     synthetic_problems,
 )
 from active_perceiver.figures.scaling import scaling_figure
-from active_perceiver.policies import LEARNERS, learner_named
+from active_perceiver.policies.learners import LEARNERS, learner_named
 from active_perceiver.progress import Report, progress_bar, quiet
 
 Run = dict[str, Any]

@@ -33,6 +33,28 @@ class ActSpeedSettings:
 
 
 @dataclass(frozen=True)
+class ExportSettings:
+    """What to measure, and how often."""
+
+    calibrate: str | None = None
+    """The scene, a bundled name or a file, by whose views the 8-bit numbers are set; the agent's own pictures if not
+    given."""
+    threads: int = 1
+    """CPU threads of the agent."""
+    repeats: int = 100
+    """Actions to measure in each process."""
+    starts: int = 3
+    """Processes to start for each agent and environment."""
+    frame: tuple[int, int] = (640, 480)
+    """Width and height of the camera's pictures in pixels: views of the agent's scene scaled to this, as JPEG."""
+    searches: int = 100
+    """Searches per target by the agent's own word, from random starts."""
+    python: Path | None = None
+    """The interpreter of an environment with numpy, onnxruntime, pillow and this package alone; if not given, one is
+    made in a temporary folder, for which the packages are installed."""
+
+
+@dataclass(frozen=True)
 class TrainSpeedSettings:
     """Who is measured, on what, and for how long."""
 
@@ -139,3 +161,27 @@ class RecogniserBenchmarkSettings:
     """Where the features of views and pictures come from."""
     image_size: int = 320
     """Side in pixels to which pictures are scaled for the backbone; a multiple of 32."""
+
+
+@dataclass(frozen=True)
+class RobotBenchmarkSettings:
+    """Where a simulated robot searches, and how far from what the agent was trained on."""
+
+    room: str = "kitchen_1_hour_dusk"
+    """The room of one of the agents' scenes, by name, at another hour."""
+    starts: int = 200
+    """Searches of the last agent under all changes together."""
+    compared: int = 60
+    """Searches of everything else: of the other agents, under fewer changes, with other ways to search."""
+    centimetres: float = 10.0
+    """A search begins up to so far beside a place of the lattice, along x and along z."""
+    degrees: float = 8.0
+    """And up to so much beside one of the four headings."""
+    nudge: float = 0.05
+    """Metres by which each target is moved at most."""
+    max_steps: int = 100
+    """Actions after which a search has failed."""
+    workers: int = 2
+    """Processes that search; each needs about a gigabyte of memory."""
+    seed: int = 0
+    """Starts, slip, nudges, pictures and draws of actions follow from it."""

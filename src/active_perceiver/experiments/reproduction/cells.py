@@ -17,8 +17,8 @@ from active_perceiver.experiments.reproduction.setups import CHOICES, METHODS, S
 from active_perceiver.experiments.reproduction.sights import Boxes, Sights, short_hash
 from active_perceiver.experiments.result import write_result
 from active_perceiver.files import replacing
-from active_perceiver.policies import LEARNERS
 from active_perceiver.policies.evaluation import Evaluation, episode_evaluation, exact_evaluation, mean_evaluation
+from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.problem import Problem
 from active_perceiver.progress import progress_bar
 

@@ -1,0 +1,167 @@
+"""Searches of a simulated robot, spread over processes, each of which keeps a room and an agent."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.experiments.benchmarks.settings import RobotBenchmarkSettings
+from active_perceiver.experiments.own_word import TRUE_IOU
+from active_perceiver.perceiver import ActivePerceiver, Step
+from active_perceiver.progress import Report, quiet
+from active_perceiver.recognition.metrics import box_iou
+from active_perceiver.robots import search
+from active_perceiver.robots.body import Slip
+from active_perceiver.robots.motion import Plan
+from active_perceiver.robots.simulated import (
+    WEBCAM,
+    LiveRoom,
+    Pose,
+    SimulatedRobot,
+    nearest_pose,
+    open_room,
+    random_start,
+)
+from active_perceiver.robots.steady import SteadyRobot
+from active_perceiver.scenes import Scene, decode_image, open_scene
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """How far from what the agent was trained on, and how it searches.
+
+    Attributes:
+        centimetres: beside a place of the lattice at the start, at most, along x and z.
+        degrees: beside a heading at the start, at most.
+        slip: whether the wheels slip.
+        nudge: metres by which things are moved at most.
+        own_hour: whether the light is that of the scene instead of the room's hour that was asked for.
+        perfect: whether the camera makes no mistakes.
+        frames: taken for each look.
+        confirm: whether two views have to agree for found.
+        explore: whether the agent looks round when it is lost.
+        told: whether the agent is told if an action moved the robot.
+        stays: whether the robot stays at the end of a way most of which is free.
+    """
+
+    centimetres: float
+    degrees: float
+    slip: bool
+    nudge: float
+    own_hour: bool = False
+    perfect: bool = False
+    frames: int = 1
+    confirm: bool = False
+    explore: bool = True
+    told: bool = True
+    stays: bool = True
+
+
+def searches(
+    agent: Path,
+    room: str,
+    conditions: Conditions,
+    count: int,
+    settings: RobotBenchmarkSettings,
+    report: Report = quiet,
+) -> list[dict[str, Any]]:
+    """Search for each of an agent's targets in turn, from starts that follow from the searches' numbers.
+
+    Returns:
+        For each search: "target", "found" (its word), "true" (its box is on the target), "actions", "metres_off" and
+        "degrees_off" (from where a robot that does not slip would be, had it begun on the lattice), "collisions".
+
+    """
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(
+        min(settings.workers, count), context, _open, (agent, room, conditions, settings)
+    ) as pool:
+        ends = []
+        for end in pool.map(_search, range(count)):
+            ends.append(end)
+            report(len(ends), count)
+    return ends
+
+
+@dataclass(frozen=True, eq=False)
+class _Lab:
+    """What a process keeps from one search to the next."""
+
+    agent: ActivePerceiver
+    room: LiveRoom
+    scene: Scene
+    conditions: Conditions
+    settings: RobotBenchmarkSettings
+
+
+class _Untold(ActivePerceiver):
+    """An agent that has to see for itself whether it moved."""
+
+    def act(self, image: NDArray[np.uint8] | bytes, moved: bool | None = None) -> Step:
+        return super().act(image, None)
+
+
+_lab: _Lab | None = None
+
+
+def _open(agent: Path, room: str, conditions: Conditions, settings: RobotBenchmarkSettings) -> None:
+    global _lab
+    kind = ActivePerceiver if conditions.told else _Untold
+    perceiver = kind.from_pretrained(agent, 1, confirm=conditions.confirm, explore=conditions.explore)
+    opened = open_room(
+        room.partition("_hour_")[0] if conditions.own_hour else room,
+        nudge=conditions.nudge,
+        seed=settings.seed,
+        faults=None if conditions.perfect else WEBCAM,
+        progress=lambda label: nullcontext(quiet),
+    )
+    _lab = _Lab(perceiver, opened, open_scene(opened.name), conditions, settings)
+
+
+def _search(number: int) -> dict[str, Any]:
+    assert _lab is not None
+    agent, room, conditions, settings = _lab.agent, _lab.room, _lab.conditions, _lab.settings
+    rng = np.random.default_rng([settings.seed, number])
+    names = [target.name for target in agent.config.targets if target.scene == room.name]
+    name = names[number % len(names)]
+    target = _lab.scene.targets[_lab.scene.target_index(name)]
+    picture = decode_image(target.pictures[rng.integers(target.trained)])
+    start = random_start(room, rng, conditions.centimetres, conditions.degrees)
+    slip = Slip() if conditions.slip else Slip(0.0, 0.0, 0.0, 0.0, 0.0)
+    robot = SimulatedRobot(room, start, actions=agent.config.actions(room.name), slip=slip, seed=number)
+    robot.driver.stays = conditions.stays
+    steady = SteadyRobot(robot, conditions.frames)
+    record = search(agent, steady, picture, branch=room.name, max_steps=settings.max_steps, seed=number)
+    end = robot.pose()
+    boxes = room.look(end, [name])[1]
+    drawn = record.glimpses[-1].step.detection
+    overlap = 0.0 if drawn is None else float(np.nan_to_num(box_iou(drawn.box[None], boxes))[0])
+    metres, degrees = _astray(nearest_pose(room, start), robot)
+    return {
+        "target": name,
+        "found": record.found,
+        "true": record.found and overlap >= TRUE_IOU,
+        "actions": record.actions,
+        "metres_off": metres,
+        "degrees_off": degrees,
+        "collisions": robot.body.collisions,
+    }
+
+
+def _astray(lattice: Pose, robot: SimulatedRobot) -> tuple[float, float]:
+    """How far, in metres and degrees, a robot is from where its actions would have led on the lattice."""
+    planned = robot.driver.plan or Plan(0.0, 0.0, 0.0)
+    x, z, heading, _ = lattice
+    turned = math.radians(heading)
+    x += planned.x * math.cos(turned) + planned.z * math.sin(turned)
+    z += planned.z * math.cos(turned) - planned.x * math.sin(turned)
+    body = robot.body
+    return math.hypot(body.x - x, body.z - z), abs((body.heading - heading - planned.heading + 180) % 360 - 180)
