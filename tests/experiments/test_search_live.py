@@ -14,7 +14,7 @@ from rich.console import Console
 from active_perceiver.cli import main
 from active_perceiver.experiments.live_view import LiveView, watching
 from active_perceiver.experiments.recording_reading import read_recording
-from active_perceiver.experiments.searching import _stopped_like_interrupted
+from active_perceiver.experiments.searching import stopped_like_interrupted
 from recorded import glimpses_in, setup_in
 
 pytestmark = pytest.mark.xdist_group("agent")
@@ -116,7 +116,7 @@ def test_ctrl_c_a_request_to_end_and_a_closed_terminal_are_noted_and_end_with_13
 def test_under_nohup_the_end_of_the_terminal_stays_ignored():
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
-        with _stopped_like_interrupted():
+        with stopped_like_interrupted():
             os.kill(os.getpid(), signal.SIGHUP)
             with pytest.raises(KeyboardInterrupt):
                 os.kill(os.getpid(), signal.SIGTERM)
