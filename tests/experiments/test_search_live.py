@@ -98,7 +98,7 @@ def test_a_killed_search_leaves_a_recording_that_makes_a_report(wanderer, ball, 
 
 
 @pytest.mark.parametrize("how", ["SIGINT", "SIGTERM", "SIGHUP"])
-def test_ctrl_c_a_request_to_end_and_a_closed_terminal_are_noted_and_end_with_130(wanderer, ball, scene_file, tmp_path, how):
+def test_what_ends_a_search_is_noted_and_ends_with_130(wanderer, ball, scene_file, tmp_path, how):
     child = begun(
         wanderer, ball, scene_file, tmp_path / "run", stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )

@@ -110,8 +110,10 @@ def _announced(setup: SearchSetup) -> str:
 
 @contextmanager
 def stopped_like_interrupted() -> Iterator[None]:
-    """Take a request to end, or the end of the terminal, for Ctrl-C: the robot is stopped on the way out, and the
-    recording says why. Under `nohup` the terminal's end stays ignored."""
+    """Take a request to end for Ctrl-C: the robot is stopped on the way out, and the recording says why.
+
+    The end of the terminal is one too, but not under `nohup`.
+    """
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
