@@ -137,6 +137,7 @@ def commands_in(path: Path) -> list[list[str]]:
     [
         "README.md",
         "CONTRIBUTING.md",
+        "docs/robot.md",
         "docs/scenes.md",
         "docs/exporting.md",
         *(f"docs/benchmarks/{path.name}" for path in PAGES),

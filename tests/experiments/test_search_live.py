@@ -14,6 +14,7 @@ from rich.console import Console
 from active_perceiver.cli import main
 from active_perceiver.experiments.live_view import LiveView, watching
 from active_perceiver.experiments.recording_reading import read_recording
+from active_perceiver.experiments.searching import _stopped_like_interrupted
 from recorded import glimpses_in, setup_in
 
 pytestmark = pytest.mark.xdist_group("agent")
@@ -96,12 +97,12 @@ def test_a_killed_search_leaves_a_recording_that_makes_a_report(wanderer, ball, 
     assert "the search was killed" in (tmp_path / "run" / "report.html").read_text()
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_and_a_request_to_end_are_noted_and_end_with_130(wanderer, ball, scene_file, tmp_path, how):
+@pytest.mark.parametrize("how", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_ctrl_c_a_request_to_end_and_a_closed_terminal_are_noted_and_end_with_130(wanderer, ball, scene_file, tmp_path, how):
     child = begun(
         wanderer, ball, scene_file, tmp_path / "run", stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    child.send_signal(how)
+    child.send_signal(getattr(signal, how))
     out, error = child.communicate(timeout=LONG)
     assert child.returncode == 130
     assert "Traceback" not in error
@@ -110,6 +111,17 @@ def test_ctrl_c_and_a_request_to_end_are_noted_and_end_with_130(wanderer, ball, 
     assert record.reason == "interrupted"
     looks = len(re.findall(r"^ *\d+  sees ", out, re.MULTILINE))
     assert len(record.glimpses) - looks in (0, 1)  # kept before it is shown
+
+
+def test_under_nohup_the_end_of_the_terminal_stays_ignored():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with _stopped_like_interrupted():
+            os.kill(os.getpid(), signal.SIGHUP)
+            with pytest.raises(KeyboardInterrupt):
+                os.kill(os.getpid(), signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo terminals")

@@ -110,16 +110,20 @@ def _announced(setup: SearchSetup) -> str:
 
 @contextmanager
 def _stopped_like_interrupted() -> Iterator[None]:
-    """Take a request to end (SIGTERM) for Ctrl-C: the robot is stopped on the way out, and the recording says why."""
+    """Take a request to end, or the end of the terminal, for Ctrl-C: the robot is stopped on the way out, and the
+    recording says why. Under `nohup` the terminal's end stays ignored."""
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+    signals = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    heard = [number for number in signals if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, interrupt) for number in heard}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @contextmanager
