@@ -28,6 +28,7 @@ FORMATS = {
     "export": "format_exported",
     "policies": "format_policies",
     "recogniser": "format_recogniser_ablation",
+    "robot": "format_robot",
     "robustness": "format_robustness",
     "scale": "format_scale",
     "train": "format_train_speed",

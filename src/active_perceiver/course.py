@@ -11,6 +11,9 @@ from active_perceiver.policies.restless import restless
 
 LOST = 4
 """An agent that has looked at the present view so often before is lost: the policy does not lead on."""
+EXCURSION = 8
+"""So many actions an agent that is lost for the first time goes round the room before it follows its policy again,
+twice as many the second time, and so on: it may have been caught by a chair leg, and the target is where it was."""
 
 
 class Course:
@@ -21,7 +24,7 @@ class Course:
         explorer: where to go when the search is lost; None to follow the policy all the same.
 
     Attributes:
-        lost: whether the search has been lost; it is explored from then on.
+        lost: whether the search is lost, and the room explored instead of following the policy.
     """
 
     def __init__(self, confirm: bool = False, explorer: Explorer | None = None) -> None:
@@ -29,6 +32,7 @@ class Course:
         self._confirm = confirm
         self._explorer = explorer
         self._nearly = self._nearly_before = False
+        self._excursion, self._left = EXCURSION, 0
 
     def decide(
         self,
@@ -62,7 +66,7 @@ class Course:
         if self._explorer is None or likeness is None:
             return flattened, found
         self._explorer.look(likeness, sight.detection, told)
-        self.lost = self.lost or earlier >= LOST
+        self.lost = self._is_lost(earlier)
         if not self.lost:
             return flattened, found
         # A policy that led astray may have been led so by what it saw: a search that is lost takes two views to say
@@ -72,6 +76,16 @@ class Course:
         certain = np.zeros(len(probabilities))
         certain[self._explorer.action()] = 1.0
         return certain, False
+
+    def _is_lost(self, earlier: int) -> bool:
+        assert self._explorer is not None
+        if self._left > 0 or (self.lost and self._explorer.follows()):
+            self._left -= 1
+            return True
+        if earlier < LOST:
+            return False
+        self._left, self._excursion = self._excursion - 1, 2 * self._excursion
+        return True
 
     def did(self, action: int) -> None:
         """Note the action that is carried out next, by its index."""

@@ -192,6 +192,8 @@ class ActivePerceiver:
         self._branch = branch
         self._random = np.random.default_rng(seed)
         self._looks: list[tuple[NDArray[np.float32], int]] = []
+        self._last = -1
+        self._blocked: set[int] = set()
         self._room = self.room(branch)
         explorer = None
         if self._room is not None:
@@ -234,6 +236,7 @@ class ActivePerceiver:
         probabilities = self.policy.probabilities(view, self._target, mask[None], self._branch)[0]
         look = unit_vectors(view[0])
         likeness = None if self._room is None else self._room.looks @ look
+        probabilities = self._possible(probabilities, moved)
         alike = self._seen_before(look, -1 if likeness is None else int(likeness.argmax()))
         if alike and moved is not None:
             alike[-1] = not moved
@@ -247,7 +250,18 @@ class ActivePerceiver:
         )
         draw = int(self._random.choice(len(probabilities), p=probabilities))
         self._course.did(draw)
+        self._last = draw
         return Step(action=self.actions[draw], detection=sight.detection, probabilities=probabilities, found=found)
+
+    def _possible(self, probabilities: NDArray[np.floating], moved: bool | None) -> NDArray[np.floating]:
+        """The policy's probabilities without the actions that have been tried here, and are blocked."""
+        if moved is False:
+            self._blocked.add(self._last)
+        elif moved:
+            self._blocked.clear()
+        left = probabilities.copy()
+        left[list(self._blocked)] = 0.0
+        return left / left.sum() if left.sum() > 0 else probabilities
 
     def _seen_before(self, look: NDArray[np.float32], state: int) -> list[bool]:
         """Which of the earlier looks of this search were at the same view, and note this one.

@@ -90,3 +90,16 @@ def test_it_says_what_it_is_going_to_do(agent_folder, scene):
     step = agent.act(scene.view(0))
     assert step.found or step.probabilities.max() == 1.0
     assert step.found or step.action is agent.actions[int(step.probabilities.argmax())]
+
+
+def test_what_is_blocked_is_not_tried_again_until_it_has_moved(agent_folder, scene):
+    agent = ActivePerceiver.from_pretrained(agent_folder, explore=False)
+    agent.reset(scene.targets[0].picture(0), seed=0)
+    tried, step = set(), agent.act(scene.view(0))
+    for _ in range(len(agent.actions) - 1):
+        tried.add(step.action)
+        step = agent.act(scene.view(0), moved=False)
+        assert step.action not in tried
+        assert step.probabilities.sum() == pytest.approx(1)
+    assert (agent.act(scene.view(0), moved=False).probabilities > 0).all()  # nothing is left that was not tried
+    assert (agent.act(scene.view(1), moved=True).probabilities > 0).all()

@@ -80,6 +80,10 @@ class Explorer:
         """Note the action that is carried out next."""
         self._action = action
 
+    def follows(self) -> bool:
+        """Whether it knows where to go because of what it has seen."""
+        return self._place_to_look_at_it() is not None
+
     def settled(self) -> bool:
         """Whether the agent is at the best place it knows to look at the target, and no other promises more."""
         return self._place_to_look_at_it() == self._state
