@@ -27,7 +27,9 @@ def striped(x, z, heading, tilt):
 
 def behind_rosbridge(actions, ends):
     (name,) = (name for name, known in ACTIONS.items() if known == actions)
-    settings = with_(SETTINGS, actions=name, step=0.25, tilt={"seconds": 0.1}, settle=0.05)
+    # Patient, as the machine may have other things to do: faults are tested elsewhere.
+    patience = {"camera": {"stale": 5.0}, "limits": {"odometry_age": 5.0, "stall": 2.0, "seconds": 60.0}}
+    settings = with_(SETTINGS, actions=name, step=0.25, tilt={"seconds": 0.1}, settle=0.05, **patience)
     bridge = ends.enter_context(served(settings, free=lambda x, z: z < 0.35, camera=striped))
     return RosRobot(bridge.url, settings)
 
