@@ -174,7 +174,10 @@ class CaptureRobot:
             )
         print(f"folder: {self.out}, {done.there} of {len(table.files)} photographs, {done.taken} of them taken now")
         if done.blocked:
-            print(f"no way to the places of {len(done.blocked)}: {_some(done.blocked)}")
+            print(
+                f"no way was found to the places of {len(done.blocked)}: {_some(done.blocked)}; if the robot can "
+                "stand there, put it on one of their marks, and go on with --resume --at and the photograph's name"
+            )
         if done.next is not None:
             name, (x, z, heading, _) = table.files[done.next], table.poses[done.next]
             print(
@@ -183,8 +186,8 @@ class CaptureRobot:
             )
         else:
             print(
-                "the robot is back where it began: so far as it is beside its mark now, the last photographs were beside "
-                f"theirs\nnext: pictures of the objects in {self.out / 'targets'}, see docs/your-own-room.md"
+                "the robot is back where it began: so far as it is beside its mark now, the last photographs were "
+                f"beside theirs\nnext: pictures of the objects in {self.out / 'targets'}, see docs/your-own-room.md"
             )
         return 0
 
