@@ -152,6 +152,7 @@ class CaptureRobot:
     def run(self) -> int:
         from active_perceiver.capturing.robot_photographs import photograph_places
         from active_perceiver.experiments.robot_places import robot_at
+        from active_perceiver.experiments.searching import stopped_like_interrupted
         from active_perceiver.robots import Wanderer
         from active_perceiver.scenes import TURTLEBOT_ACTIONS
         from active_perceiver.scenes.importers.pose_table import read_poses
@@ -168,7 +169,7 @@ class CaptureRobot:
         place = robot_at(self.robot, lambda name: TURTLEBOT_ACTIONS, start, self.seed, self.robot_config)
         assert isinstance(place.robot, Wanderer)  # of these kinds all are
         print(f"the robot stands at {place.start}; that is taken for the pose of {self.at or table.files[0]}")
-        with place.robot as robot:
+        with stopped_like_interrupted(), place.robot as robot:
             done = photograph_places(
                 robot, table, self.out, at=self.at, at_once=self.at_once, force=self.force, resume=self.resume
             )

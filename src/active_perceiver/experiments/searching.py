@@ -75,7 +75,7 @@ def search_command(
         floor=None if place.scene is None else Floor.of(place.scene),
     )  # fmt: skip
     with ExitStack() as stack:
-        stack.enter_context(_stopped_like_interrupted())
+        stack.enter_context(stopped_like_interrupted())
         driven = stack.enter_context(place.robot)
         print(_announced(setup))
         recorder = None
@@ -109,7 +109,7 @@ def _announced(setup: SearchSetup) -> str:
 
 
 @contextmanager
-def _stopped_like_interrupted() -> Iterator[None]:
+def stopped_like_interrupted() -> Iterator[None]:
     """Take a request to end (SIGTERM) for Ctrl-C: the robot is stopped on the way out, and the recording says why."""
 
     def interrupt(number: int, frame: FrameType | None) -> None:
