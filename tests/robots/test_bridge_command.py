@@ -37,7 +37,8 @@ def test_settings_fit_the_room_and_keep_the_topics(preset):
         before.camera.topic, before.velocity, before.odometry,
     )  # fmt: skip
     assert settings.tilt is not None
-    assert settings.limits == before.limits
+    assert (settings.limits.speed, settings.limits.turning) == (before.limits.speed, before.limits.turning)
+    assert settings.connection.timeout > before.connection.timeout
 
 
 def test_the_paper_s_room_has_its_own_lattice():

@@ -117,7 +117,7 @@ def photograph_places(
     except (Exception, KeyboardInterrupt):
         console.print(
             f"{len(album.there)} of {len(table.files)} photographs are in {folder}; put the robot back to where it "
-            "began, and go on with --resume",
+            "began, or on another mark that --at names, and go on with --resume",
             soft_wrap=True,
         )
         raise

@@ -34,8 +34,8 @@ TRIES = 100
 
 # Where a simulated robot's camera is tilted if the settings of a robot without a tilt joint are served.
 TILT = Joint("/tilt_controller/command", seconds=0.5)
-# Seconds that a picture may take to be rendered, on a machine that has other things to do.
-PATIENCE = 10.0
+# Seconds that a picture may take to be rendered, and odometry to come, on a machine that has other things to do.
+PATIENCE, SOON = 10.0, 2.0
 
 Pose = tuple[float, float, float, float]
 
@@ -179,10 +179,10 @@ def fitted_settings(room: LiveRoom, settings: RosSettings) -> RosSettings:
     """Settings of a robot behind rosbridge for the lattice of a room, so that agents that were trained there fit.
 
     Step, turns, tilts and actions become the room's, and the view is the whole picture. Topics, types and limits
-    stay, but for a motion as long as a step. A robot without a tilt joint gets one if the room's lattice has several
-    tilts. As pictures take a while to be rendered, they may be old.
+    of speed stay. A robot without a tilt joint gets one if the room's lattice has several tilts. As pictures take a
+    while to be rendered, by the same machine, they may be old.
     """
-    lattice, camera = room.settings, settings.camera
+    lattice, camera, limits = room.settings, settings.camera, settings.limits
     names = {actions: name for name, actions in ACTIONS.items()}
     if lattice.actions not in names:
         raise UserError(f"agents of {room.name} have other actions than robots behind rosbridge: {lattice.actions}")
@@ -194,7 +194,10 @@ def fitted_settings(room: LiveRoom, settings: RosSettings) -> RosSettings:
         step=lattice.spacing,
         turn=90.0,
         actions=names[lattice.actions],
-        limits=replace(settings.limits, distance=max(settings.limits.distance, 1.5 * lattice.spacing)),
+        limits=replace(
+            limits, distance=max(limits.distance, 1.5 * lattice.spacing), odometry_age=max(limits.odometry_age, SOON)
+        ),
+        connection=replace(settings.connection, timeout=max(settings.connection.timeout, 2 * PATIENCE)),
     )
 
 
