@@ -39,10 +39,11 @@ ALLOWED = {
     "labelling": {"scenes"},
     "cli_label": {"experiments", "labelling", "scenes"},
     "capturing": {"robots", "rooms", "scenes"},
-    "cli_capture": {"capturing", "cli_help", "robots", "rooms"},
+    "cli_capture": {"capturing", "cli_help", "experiments", "robots", "rooms", "scenes"},
     "cli_scenes": {"cli_capture", "cli_help", "cli_import", "cli_label", "experiments", "rooms", "scenes"},
+    "cli_bridge": {"cli_help", "robots"},
     "cli_benchmarks": {"cli_scenes", "experiments", "rooms"},
-    "cli": {"cli_benchmarks", "cli_scenes", "experiments", "rooms", "scenes", "vision"},
+    "cli": {"cli_benchmarks", "cli_bridge", "cli_scenes", "experiments", "rooms", "scenes", "vision"},
     "__main__": {"cli"},
 }  # fmt: skip
 

@@ -19,6 +19,7 @@ from rich.markup import escape
 from tyro.conf import Positional, subcommand
 
 from active_perceiver.cli_benchmarks import Benchmark
+from active_perceiver.cli_bridge import BridgeCommand
 from active_perceiver.cli_scenes import Scenes, help_text
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.reproduction.settings import Experiment, ReproduceSettings
@@ -298,6 +299,7 @@ Command = (
             ),
         ),
     ]
+    | BridgeCommand
     | Annotated[
         Report,
         subcommand(

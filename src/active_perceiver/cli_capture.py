@@ -5,7 +5,7 @@ As in `cli.py`, a command is a dataclass whose fields are its arguments, their d
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -122,6 +122,116 @@ class CaptureRoom:
         return 0
 
 
+@dataclass
+class CaptureRobot:
+    """Photographs that a robot takes."""
+
+    robot: Positional[str]
+    """ros:ws://HOST:PORT for a robot behind rosbridge, or room:NAME for a simulated TurtleBot in a rendered room."""
+    places: Path
+    """Table of the poses, file,x,z,heading,tilt as poses.csv in docs/your-own-room.md; without names of files the
+    photographs are called IMG_0001.jpg and so on."""
+    out: Path
+    """The folder of photographs to write."""
+    robot_config: str | None = None
+    """What a ros robot is like: turtlebot2, turtlebot3, turtlebot4, or a YAML file."""
+    start: int | None = None
+    """State of the rendered room at which the simulated TurtleBot stands at first; 0 if not given."""
+    at: str | None = None
+    """Name of the photograph at whose pose the robot stands now; the first of the table if not given."""
+    at_once: int | None = None
+    """End after so many places, at the next one: put the robot exactly on that mark by hand, and go on with --resume
+    --at, so that what its odometry gets wrong does not add up."""
+    seed: int | None = None
+    """What is random about the simulated TurtleBot follows from it."""
+    force: bool = False
+    """Take all photographs of an earlier capture anew."""
+    resume: bool = False
+    """Take those that are missing; the robot must stand at the first pose again, or that of --at."""
+
+    def run(self) -> int:
+        from active_perceiver.capturing.robot_photographs import photograph_places
+        from active_perceiver.experiments.robot_places import robot_at
+        from active_perceiver.experiments.searching import stopped_like_interrupted
+        from active_perceiver.robots import Wanderer
+        from active_perceiver.scenes import TURTLEBOT_ACTIONS
+        from active_perceiver.scenes.importers.pose_table import read_poses
+
+        kind = self.robot.partition(":")[0]
+        if kind not in ("room", "ros"):
+            raise UserError(
+                f"'{self.robot}' cannot drive to poses; give ros:ws://HOST:PORT, or room:NAME for a simulated one"
+            )
+        table = read_poses(self.places, naming=True)
+        if kind == "room" and self.start is None and self.at not in (None, table.files[0]):
+            raise UserError(f"say with --start at which state of the room the robot stands for {self.at}")
+        start = 0 if kind == "room" and self.start is None else self.start
+        place = robot_at(self.robot, lambda name: TURTLEBOT_ACTIONS, start, self.seed, self.robot_config)
+        assert isinstance(place.robot, Wanderer)  # of these kinds all are
+        print(f"the robot stands at {place.start}; that is taken for the pose of {self.at or table.files[0]}")
+        with stopped_like_interrupted(), place.robot as robot:
+            done = photograph_places(
+                robot, table, self.out, at=self.at, at_once=self.at_once, force=self.force, resume=self.resume
+            )
+        print(f"folder: {self.out}, {done.there} of {len(table.files)} photographs, {done.taken} of them taken now")
+        if done.blocked:
+            print(
+                f"no way was found to the places of {len(done.blocked)}: {_some(done.blocked)}; if the robot can "
+                "stand there, put it on one of their marks, and go on with --resume --at and the photograph's name"
+            )
+        if done.next is not None:
+            name, (x, z, heading, _) = table.files[done.next], table.poses[done.next]
+            print(
+                f"{len(done.left)} are still to be taken: put the robot exactly to x {x:g} m, z {z:g} m, heading "
+                f"{heading:g}, near which it stands, and go on with --resume --at {name}"
+            )
+        else:
+            print(
+                "the robot is back where it began: so far as it is beside its mark now, the last photographs were "
+                f"beside theirs\nnext: pictures of the objects in {self.out / 'targets'}, see docs/your-own-room.md"
+            )
+        return 0
+
+
+@dataclass
+class CaptureGrid:
+    """The table of poses of a rectangular grid of places."""
+
+    across: int
+    """Places from left to right, along x."""
+    along: int
+    """Places ahead, along z."""
+    out: Path
+    """The table to write, poses.csv for example."""
+    step: float = 0.75
+    """Metres between neighbouring places."""
+    headings: int = 4
+    """How many headings at each place, evenly round."""
+    tilts: tuple[float, ...] = (-25.0, 0.0)
+    """Degrees at each heading, up positive."""
+    force: bool = False
+    """Replace an existing table."""
+
+    def run(self) -> int:
+        from active_perceiver.capturing.tour import grid_poses
+        from active_perceiver.files import replacing
+        from active_perceiver.scenes.importers.pose_table import photograph_name, write_poses
+
+        poses = grid_poses(self.across, self.along, self.step, self.headings, self.tilts)
+        with replacing(self.out, self.force) as temporary:
+            write_poses(temporary, [photograph_name(number) for number in range(1, len(poses) + 1)], poses)
+        print(
+            f"table: {self.out}, {self.across * self.along} places, {len(poses)} poses; take out those where the "
+            "robot cannot stand"
+        )
+        return 0
+
+
+def _some(names: Sequence[str], most: int = 8) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
+
+
 CaptureCommand = (
     Annotated[
         CaptureThor,
@@ -148,12 +258,36 @@ CaptureCommand = (
             ),
         ),
     ]
+    | Annotated[
+        CaptureRobot,
+        subcommand(
+            "robot",
+            description=help_text(
+                "Let a robot drive to the poses of a table and take the photographs, for `scenes import photos` "
+                "(needs the `ros` or the `rooms` extra). It must stand at the first pose, or at that of --at. Ctrl-C "
+                "stops it; what was taken is kept.",
+                "scenes capture robot ros:ws://HOST:9090 --robot-config turtlebot2 --places poses.csv --out photos",
+                "scenes capture robot room:conference_room --places poses.csv --out photos",
+            ),
+        ),
+    ]
+    | Annotated[
+        CaptureGrid,
+        subcommand(
+            "grid",
+            description=help_text(
+                "Write the poses of a rectangular grid of places, the first in its left near corner and looking "
+                "along it, as `scenes capture robot` wants them.",
+                "scenes capture grid --across 4 --along 5 --step 0.75 --headings 4 --tilts -25 0 --out poses.csv",
+            ),
+        ),
+    ]
 )
 
 
 @dataclass
 class ScenesCapture:
-    """Make a scene of a room of AI2-THOR, or photographs of a generated room."""
+    """Make a scene of a room of AI2-THOR, or photographs of a generated room or with a robot."""
 
     command: CaptureCommand
 

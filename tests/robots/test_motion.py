@@ -194,3 +194,45 @@ def test_a_body_inside_something_is_refused():
 def test_slip_that_makes_no_sense_is_refused(wrong):
     with pytest.raises(BodyError, match=next(iter(wrong))):
         Slip(**wrong)
+
+
+def travelled(x, z, heading, limits=None, free=anywhere, start=90.0):
+    """A driver that travelled from a start whose odometry is not 0, and its body, seen from there."""
+    base = base_in(free)
+    driver = Driver(base, limits or Limits(), 0.5)
+    driver.turn_by(start)
+    driver.start = driver.plan
+    return driver.travel_to(x, z, heading), base.body
+
+
+def test_it_travels_to_points_as_seen_from_its_start_in_parts():
+    there, body = travelled(0.6, 2.4, 180.0, Limits(distance=0.5))
+    assert there
+    # It looked along x when it started: ahead is x, and to its right is -z.
+    assert (body.x, body.z) == pytest.approx((2.4, -0.6), abs=0.03)
+    assert abs(angle(body.heading - 270)) < 2
+    assert not body._wanted[0]
+
+
+@pytest.mark.parametrize(("wall", "there"), [(0.3, False), (1.6, False), (2.95, True)])
+def test_a_journey_that_is_blocked_ends_where_it_began(wall, there):
+    arrived, body = travelled(0.0, 3.0, 0.0, Limits(distance=1.0), free=lambda x, z: x < wall)
+    assert arrived == there
+    assert body.x == pytest.approx(3.0 if there else 0.0, abs=0.12)
+    assert body.z == pytest.approx(0, abs=0.05)
+    assert abs(angle(body.heading - 90)) < 3
+
+
+def test_it_looks_where_it_should_even_where_it_cannot_back_away():
+    # It may go so far and no further, and when it has, not back either.
+    came = []
+
+    def free(x, z):
+        came.append(z)
+        return z < 0.46 and (max(came) < 0.455 or z >= 0.44)
+
+    base = base_in(free)
+    driver = Driver(base, Limits(), 0.5)
+    assert driver.travel_to(0.0, 0.5, 90.0)
+    assert base.body.collisions >= 2
+    assert abs(angle(base.body.heading - 90)) < 2

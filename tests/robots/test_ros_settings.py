@@ -5,7 +5,15 @@ import math
 import pytest
 import yaml
 
-from active_perceiver.robots.ros_settings import Joint, RosSettingsError, load_settings, presets, same_type
+from active_perceiver.files import OutputExistsError
+from active_perceiver.robots.ros_settings import (
+    Joint,
+    RosSettingsError,
+    load_settings,
+    presets,
+    same_type,
+    save_settings,
+)
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS
 
 SMALLEST = {"camera": {"topic": "/image"}, "velocity": {"topic": "/cmd_vel"}, "odometry": {"topic": "/odom"}}
@@ -36,6 +44,16 @@ def test_most_of_a_file_may_be_left_out(tmp_path):
     tilting = loaded(tmp_path, {**SMALLEST, "tilt": TILT, "tilts": [-30, 0, 30], "actions": "eight", "pan": None})
     assert tilting.policy_actions == EIGHT_ACTIONS
     assert tilting.tilts == (-30.0, 0.0, 30.0)
+
+
+def test_what_is_saved_is_loaded_again(tmp_path):
+    path = tmp_path / "robot.yaml"
+    tilting = loaded(tmp_path, {**SMALLEST, "tilt": {**TILT, "sign": -1}, "tilts": [-30, 0, 30], "stamps": False})
+    for settings in (*map(load_settings, presets()), tilting):
+        save_settings(settings, path, force=True)
+        assert load_settings(path) == settings
+    with pytest.raises(OutputExistsError, match="--force"):
+        save_settings(settings, path)
 
 
 def test_the_angle_of_a_joint():

@@ -14,7 +14,7 @@ import pytest
 from active_perceiver.cli import main
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.robot_places import robot_at
-from active_perceiver.robots import Robot
+from active_perceiver.robots import Robot, Wanderer
 from active_perceiver.robots.body import Body, Slip
 from active_perceiver.robots.motion import MotionError, Odometry
 from active_perceiver.robots.ros_link import ConnectionLost, RosError
@@ -184,6 +184,45 @@ def test_odometry_that_began_anew_is_not_driven_by():
         stands = body.z
         assert robot.do(Action.ROTATE_RIGHT)
         assert (body.x, body.z) == pytest.approx((0, stands), abs=0.15)
+
+
+def test_it_goes_to_points_as_seen_from_where_it_began_and_back_from_blocked_ones():
+    with served(free=lambda x, z: z < 1.0) as bridge:
+        with RosRobot(bridge.url, SETTINGS) as robot:
+            assert robot.do(Action.ROTATE_RIGHT)
+        # A new robot begins here: along x.
+        with RosRobot(bridge.url, SETTINGS) as robot:
+            assert isinstance(robot, Wanderer)
+            assert robot.go_to(0.2, 0.5, 90.0, -22.0)
+            assert (bridge.body.x, bridge.body.z) == pytest.approx((0.5, -0.2), abs=0.1)
+            assert robot.pose()[2:] == pytest.approx((180, -30), abs=8)
+            np.testing.assert_allclose(colour(robot.look()), colour(view(*robot.pose())), atol=6)
+            assert not robot.go_to(-2.0, 0.5, 0.0, 0.0)
+            assert (bridge.body.x, bridge.body.z) == pytest.approx((0.5, -0.2), abs=0.15)
+            assert robot.pose()[3] == -30
+        assert comes_to_rest(bridge.body)
+
+
+def test_a_journey_goes_on_after_a_lost_connection():
+    then = []
+    with moving(PATIENT, then) as bridge:
+        then.append(lambda: bridge.drop(0.5))
+        with RosRobot(bridge.url, PATIENT) as robot:
+            assert robot.go_to(0.0, 1.5, 0.0, 0.0)
+            assert bridge.connections == 2
+            assert bridge.body.z == pytest.approx(1.5, abs=0.15)
+
+
+def test_without_its_odometry_a_robot_does_not_know_where_to_go():
+    def reboot():
+        body.jump = 5.0
+        bridge.drop(0.2)
+
+    body = Rebooting(0, 0, 0, Tripwire(0.15, reboot), Slip(0, 0, 0, 0, 0), 0)
+    with served(PATIENT, body=body, speedup=1.0) as bridge, RosRobot(bridge.url, PATIENT) as robot:
+        with pytest.raises(RosError, match="put it back to where it began"):
+            robot.go_to(0.0, 1.0, 0.0, 0.0)
+        assert comes_to_rest(body)
 
 
 def test_a_robot_that_does_not_come_back_is_given_up():

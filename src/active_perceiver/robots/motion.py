@@ -23,6 +23,10 @@ STEERING, MOST_STEERING = 2.0, 15.0
 ASIDE = 45.0
 # Metres by which it backs away from what it ran into and stays at.
 BACKING = 0.03
+# So many metres beside a point that was travelled to is still there.
+NEAR = 0.1
+# A part of a long way is this share of the limit 'distance': the base is never quite where it is planned to be.
+PART = 0.9
 
 
 class MotionError(UserError, RuntimeError):
@@ -125,6 +129,7 @@ class Driver:
     Attributes:
         plan: where the base should be; where it was when the first action began, until then None.
         stays: whether the base stays at the end of a blocked way most of which is free; else it always drives back.
+        start: where that was; `travel_to` counts from there.
     """
 
     def __init__(self, base: Base, limits: Limits, step: float, turn: float = 90.0) -> None:
@@ -136,6 +141,7 @@ class Driver:
         self.limits = limits
         self.plan: Plan | None = None
         self.stays = True
+        self.start: Plan | None = None
         self._base = base
         self._step = step
         self._turn = turn
@@ -184,6 +190,50 @@ class Driver:
         finally:
             self._base.drive(0.0, 0.0)
 
+    def travel_to(self, x: float, z: float, heading: float) -> bool:
+        """Drive straight to a point as seen from the start, in parts where it is far; on a blocked way drive back.
+
+        Args:
+            x: metres to the right of the start, as the base looked there.
+            z: metres ahead of the start.
+            heading: degrees clockwise from the start's.
+
+        Returns:
+            Whether it got there, to within `NEAR` metres. If not it is where it was, as nearly as it can be.
+
+        Raises:
+            MotionError: if a motion exceeds a limit.
+        """
+        before = self._planned()
+        assert self.start is not None  # set together with the plan
+        if self._travel(_seen_from(self.start, x, z, heading)):
+            return True
+        self._travel(before)
+        return False
+
+    def _travel(self, goal: Plan) -> bool:
+        here = self._planned()
+        way = math.degrees(math.atan2(goal.x - here.x, goal.z - here.z))
+        parts = math.ceil(math.hypot(goal.x - here.x, goal.z - here.z) / (PART * self.limits.distance))
+        for part in range(1, parts):
+            share = part / parts
+            x, z = here.x + share * (goal.x - here.x), here.z + share * (goal.z - here.z)
+            if not self._arrive(Plan(x, z, driving(here.heading, way))):
+                return False
+        return self._arrive(goal)
+
+    def _arrive(self, goal: Plan) -> bool:
+        """`go_to`, but what is only nearer to there does not count, and it has to look where it should."""
+        if not self.go_to(goal):
+            return False
+        at = self._fresh_odometry()
+        if math.hypot(goal.x - at.x, goal.z - at.z) > NEAR:
+            return False
+        try:
+            return self._face(goal.heading)
+        finally:
+            self._base.drive(0.0, 0.0)
+
     def turn_by(self, degrees: float) -> bool:
         """Turn away from where the base is planned to be, and plan to be there; see `go_to`."""
         here = self._planned()
@@ -196,7 +246,7 @@ class Driver:
     def _planned(self) -> Plan:
         if self.plan is None:
             at = self._fresh_odometry()
-            self.plan = Plan(at.x, at.z, at.heading)
+            self.plan = self.start = Plan(at.x, at.z, at.heading)
         return self.plan
 
     def _reach(self, goal: Plan) -> bool:
@@ -303,6 +353,21 @@ def ahead(here: Plan, metres: float, direction: float) -> Plan:
     """The point so far away in a direction relative to the heading, in degrees clockwise; the heading stays."""
     angle = math.radians(here.heading + direction)
     return Plan(here.x + metres * math.sin(angle), here.z + metres * math.cos(angle), here.heading)
+
+
+def driving(heading: float, way: float) -> float:
+    """The heading at which a base that has one drives along a way, in degrees: backwards if that lies behind."""
+    return way + 180.0 if abs(_angle(way - heading)) > 180 - ASIDE else way
+
+
+def _seen_from(start: Plan, x: float, z: float, heading: float) -> Plan:
+    """The point so far to the right and ahead of a start, in the frame of the start."""
+    angle = math.radians(start.heading)
+    return Plan(
+        start.x + x * math.cos(angle) + z * math.sin(angle),
+        start.z - x * math.sin(angle) + z * math.cos(angle),
+        start.heading + heading,
+    )
 
 
 def _towards(at: Odometry, place: Plan, metres: float, heading: float) -> Plan:

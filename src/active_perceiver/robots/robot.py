@@ -48,3 +48,27 @@ class Robot(Protocol):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
+
+
+@runtime_checkable
+class Wanderer(Robot, Protocol):
+    """A robot that also finds its way to any point of the floor, by its odometry, as far as that can be trusted."""
+
+    @property
+    def tilts(self) -> tuple[float, ...]:
+        """Degrees, rising, up positive: those that the camera can have."""
+        ...
+
+    def go_to(self, x: float, z: float, heading: float, tilt: float) -> bool:
+        """Drive straight to a point, turn to a heading, and tilt the camera.
+
+        Args:
+            x: metres to the right of where it began, as it looked there.
+            z: metres ahead of there.
+            heading: degrees clockwise from the one at which it began.
+            tilt: degrees, up positive; the nearest of `tilts` is taken.
+
+        Returns:
+            Whether it got there. If the way is blocked it is where it was, or as near to there as it can be.
+        """
+        ...

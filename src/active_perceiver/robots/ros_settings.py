@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from active_perceiver.errors import UserError
+from active_perceiver.files import replacing
 from active_perceiver.robots.motion import Limits, MotionError
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action
 
@@ -247,12 +248,7 @@ def load_settings(name: str | Path) -> RosSettings:
         RosSettingsError: if there is no such file, or what it says makes no sense.
     """
     path = PRESETS / f"{name}.yaml" if str(name) in presets() else Path(name)
-    try:
-        import yaml
-    except ImportError as error:
-        raise RosSettingsError(
-            f"PyYAML cannot be imported ({error}); install it: pip install 'active-perceiver[ros]'"
-        ) from None
+    yaml = _yaml()
     try:
         read = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
@@ -270,6 +266,36 @@ def load_settings(name: str | Path) -> RosSettings:
         return _made(RosSettings, read, "")
     except RosSettingsError as error:
         raise RosSettingsError(f"{path}: {error}") from None
+
+
+def save_settings(settings: RosSettings, path: Path, *, force: bool = False) -> None:
+    """Write settings as YAML that `load_settings` reads.
+
+    Raises:
+        OutputExistsError: if the file exists and `force` is false.
+        RosSettingsError: if PyYAML is not there.
+    """
+    text = _yaml().safe_dump(_plain(settings), sort_keys=False)
+    with replacing(path, force) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def _yaml() -> types.ModuleType:
+    try:
+        import yaml
+    except ImportError as error:
+        raise RosSettingsError(
+            f"PyYAML cannot be imported ({error}); install it: pip install 'active-perceiver[ros]'"
+        ) from None
+    return yaml
+
+
+def _plain(value: Any) -> Any:
+    """What YAML can say: dictionaries, lists, numbers and texts; what is None is left out."""
+    if is_dataclass(value):
+        held = {one.name: getattr(value, one.name) for one in fields(value)}
+        return {name: _plain(one) for name, one in held.items() if one is not None}
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _made(kind: type[Made], read: Any, at: str) -> Made:

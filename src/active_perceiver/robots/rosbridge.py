@@ -10,6 +10,7 @@ import atexit
 import logging
 import math
 import time
+from collections.abc import Callable
 from types import TracebackType
 
 import numpy as np
@@ -166,17 +167,33 @@ class RosRobot:
         if action not in self.actions:
             known = ", ".join(one.value for one in self.actions)
             raise RosError(f"this robot has no action {action.value}; its settings say {known}")
-        try:
-            before = self._link.wheels.newest
-            return self._carry_out(action)
-        except ConnectionLost as lost:
-            before = self._link.wheels.newest or before
-            self.reconnect(lost)
-            if before is None or not self._goes_on(before):
-                LOG.warning("the odometry began anew; the robot goes on from where it stands")
-                self._driver.plan = None
-                return False
-            return self._carry_out(action)
+        moved = self._insist(lambda: self._carry_out(action))
+        if moved is None:
+            LOG.warning("the odometry began anew; the robot goes on from where it stands")
+            self._driver.plan = None
+            return False
+        return moved
+
+    @property
+    def tilts(self) -> tuple[float, ...]:
+        """Degrees: those of the settings."""
+        return self.settings.tilts
+
+    def go_to(self, x: float, z: float, heading: float, tilt: float) -> bool:
+        """Drive to a point as seen from where it began; see `Wanderer.go_to`.
+
+        Raises:
+            MotionError: if a motion exceeds a limit.
+            RosError: if images are too old, the connection is lost for good, or the odometry began anew, so that
+                nobody knows where the robot is.
+        """
+        arrived = self._insist(lambda: self._moved(lambda: self._travel_to(x, z, heading, tilt)))
+        if arrived is None:
+            raise RosError(
+                "the odometry began anew, so the robot does not know where it is: put it back to where it began, and "
+                "begin again from there"
+            )
+        return arrived
 
     def pose(self) -> tuple[float, float, float, float] | None:
         """x, z, heading by the odometry, from where that began, and the tilt; None before the first odometry."""
@@ -236,16 +253,36 @@ class RosRobot:
     ) -> None:
         self.close()
 
-    def _carry_out(self, action: Action) -> bool:
+    def _insist(self, motion: Callable[[], bool]) -> bool | None:
+        """Carry out a motion, again if the connection was lost; None if the odometry did not go on where it was."""
+        before = self._link.wheels.newest
         try:
-            if action in LOOK:
-                return self._tilt_by(LOOK[action])
-            return self._driver.do(action)
+            return motion()
+        except ConnectionLost as lost:
+            before = self._link.wheels.newest or before
+            self.reconnect(lost)
+            return motion() if before is not None and self._goes_on(before) else None
+
+    def _carry_out(self, action: Action) -> bool:
+        if action in LOOK:
+            return self._moved(lambda: self._tilt_by(LOOK[action]))
+        return self._moved(lambda: self._driver.do(action))
+
+    def _moved(self, motion: Callable[[], bool]) -> bool:
+        """Carry out a motion; stop if it fails, and let a picture settle after it."""
+        try:
+            return motion()
         except BaseException:
             self.stop()
             raise
         finally:
             self._still = max(self._still, time.monotonic() + self.settings.settle)
+
+    def _travel_to(self, x: float, z: float, heading: float, tilt: float) -> bool:
+        if not self._driver.travel_to(x, z, heading):
+            return False
+        wanted = int(np.abs(np.array(self.tilts) - tilt).argmin())
+        return wanted == self._tilt or self._tilt_by(wanted - self._tilt)
 
     def _tilt_by(self, steps: int) -> bool:
         self._base.check()

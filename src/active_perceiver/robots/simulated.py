@@ -7,6 +7,7 @@ is the body's own: the search goes on as fast as pictures can be rendered.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import TracebackType
 
 import numpy as np
@@ -16,18 +17,25 @@ from typing_extensions import Self
 from active_perceiver.errors import UserError
 from active_perceiver.robots.body import Body, Slip
 from active_perceiver.robots.motion import Driver, Limits
+from active_perceiver.robots.ros_settings import ACTIONS, Joint, RosSettings
+from active_perceiver.robots.simulated_bridge import SimulatedBridge
 from active_perceiver.rooms.live_room import WEBCAM, LiveRoom, open_room, scene_of
 from active_perceiver.scenes import Action
 from active_perceiver.scenes.lattice import LOOK, lattice_poses
 
 __all__ = [
-    "WEBCAM", "LiveRoom", "Pose", "SimulatedRobot", "lattice_start", "nearest_pose", "open_room", "random_start",
-    "scene_of",
+    "WEBCAM", "LiveRoom", "Pose", "SimulatedRobot", "bridge_in", "fitted_settings", "lattice_start", "nearest_pose",
+    "open_room", "random_start", "scene_of",
 ]  # fmt: skip
 
 HEADINGS = (0.0, 90.0, 180.0, 270.0)
 # Places drawn near a lattice's until one is free.
 TRIES = 100
+
+# Where a simulated robot's camera is tilted if the settings of a robot without a tilt joint are served.
+TILT = Joint("/tilt_controller/command", seconds=0.5)
+# Seconds that a picture may take to be rendered, and odometry to come, on a machine that has other things to do.
+PATIENCE, SOON = 10.0, 2.0
 
 Pose = tuple[float, float, float, float]
 
@@ -106,6 +114,22 @@ class SimulatedRobot:
         self._level = level
         return True
 
+    @property
+    def tilts(self) -> tuple[float, ...]:
+        """Degrees: those of the room's lattice."""
+        return self._tilts
+
+    def go_to(self, x: float, z: float, heading: float, tilt: float) -> bool:
+        """Drive to a point as seen from where it began; see `Wanderer.go_to`.
+
+        Raises:
+            MotionError: if a motion exceeded a limit; the robot was stopped.
+        """
+        if not self.driver.travel_to(x, z, heading):
+            return False
+        self._level, self._tilt_off = int(np.abs(np.array(self._tilts) - tilt).argmin()), 0.0
+        return True
+
     def stop(self) -> None:
         """Stand still."""
         self.body.drive(0.0, 0.0)
@@ -159,3 +183,69 @@ def nearest_pose(room: LiveRoom, pose: Pose) -> Pose:
     places, tilts = room.places(), np.array(room.settings.tilts)
     near_x, near_z = places[np.hypot(*(places - (x, z)).T).argmin()]
     return float(near_x), float(near_z), round(heading / 90) % 4 * 90.0, float(tilts[np.abs(tilts - tilt).argmin()])
+
+
+def fitted_settings(room: LiveRoom, settings: RosSettings) -> RosSettings:
+    """Settings of a robot behind rosbridge for the lattice of a room, so that agents that were trained there fit.
+
+    Step, turns, tilts and actions become the room's, and the view is the whole picture. Topics, types and limits
+    of speed stay. A robot without a tilt joint gets one if the room's lattice has several tilts. As pictures take a
+    while to be rendered, by the same machine, they may be old.
+    """
+    lattice, camera, limits = room.settings, settings.camera, settings.limits
+    names = {actions: name for name, actions in ACTIONS.items()}
+    if lattice.actions not in names:
+        raise UserError(f"agents of {room.name} have other actions than robots behind rosbridge: {lattice.actions}")
+    return replace(
+        settings,
+        camera=replace(camera, crop=1.0, stale=max(camera.stale, PATIENCE)),
+        tilt=settings.tilt or (TILT if len(lattice.tilts) > 1 else None),
+        tilts=lattice.tilts,
+        step=lattice.spacing,
+        turn=90.0,
+        actions=names[lattice.actions],
+        limits=replace(
+            limits, distance=max(limits.distance, 1.5 * lattice.spacing), odometry_age=max(limits.odometry_age, SOON)
+        ),
+        connection=replace(settings.connection, timeout=max(settings.connection.timeout, 2 * PATIENCE)),
+    )
+
+
+def bridge_in(
+    room: LiveRoom,
+    start: Pose,
+    settings: RosSettings,
+    *,
+    slip: Slip | None = None,
+    seed: int | None = None,
+    speedup: float = 1.0,
+    port: int = 0,
+) -> SimulatedBridge:
+    """A TurtleBot in a room behind rosbridge, to be entered as a context manager.
+
+    Args:
+        room: where it is.
+        start: x, z in metres and heading in degrees; its camera looks level until it is told otherwise.
+        settings: topics, types, the tilt joint and the rate of the camera.
+        slip: how wrong its odometry is; the usual if not given.
+        seed: of the slip.
+        speedup: how much faster than the clock the robot moves.
+        port: of the server; a free one if 0.
+
+    Raises:
+        BodyError: if something stands at the start.
+    """
+    seen: dict[Pose, NDArray[np.uint8]] = {}
+
+    def view(*pose: float) -> NDArray[np.uint8]:
+        # While the robot stands still there is nothing to render.
+        x, z, heading, tilt = pose
+        key = x, z, heading, tilt
+        if key not in seen:
+            image, _ = room.look(key)
+            seen.clear()
+            seen[key] = image
+        return seen[key]
+
+    body = Body(*start[:3], room.free, slip, seed)
+    return SimulatedBridge(body, view, settings, speedup=speedup, port=port)

@@ -142,9 +142,14 @@ class SimulatedBridge:
                 f"websockets cannot be imported ({error}); install it: pip install 'active-perceiver[ros]'"
             ) from None
         self._stopping = asyncio.Event()
-        async with serve(
-            self._talk, "127.0.0.1", self._port, compression=None, process_request=self._admit
-        ) as server:
+        try:
+            listening = await serve(
+                self._talk, "127.0.0.1", self._port, compression=None, process_request=self._admit
+            )
+        except (OSError, OverflowError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise RosError(f"port {self._port} cannot be served ({reason}); give another one") from None
+        async with listening as server:
             self.url = "ws://{}:{}".format(*next(iter(server.sockets)).getsockname()[:2])
             tasks = [asyncio.ensure_future(task) for task in (self._live(), self._film(), self._count())]
             self._started.set()

@@ -39,7 +39,7 @@ from active_perceiver.rooms.free_space import free_positions
 from active_perceiver.rooms.layouts import make_room
 from active_perceiver.rooms.room import Room
 from active_perceiver.scenes.images import decode_image, encode_image
-from active_perceiver.scenes.importers.pose_table import write_poses
+from active_perceiver.scenes.importers.pose_table import photograph_name, write_poses
 from active_perceiver.scenes.lattice import lattice_poses
 from active_perceiver.scenes.scene import Target
 
@@ -239,7 +239,7 @@ def _write(
     folder.parent.mkdir(parents=True, exist_ok=True)
     temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".part", dir=folder.parent))
     try:
-        names = [f"IMG_{number:04}.jpg" for number in range(1, len(seen) + 1)]
+        names = [photograph_name(number) for number in range(1, len(seen) + 1)]
         for name, view in zip(names, seen, strict=True):
             (temporary / name).write_bytes(view["image"].tobytes())
         write_poses(temporary / "poses.csv", names, poses)

@@ -43,16 +43,21 @@ class PoseTable:
     poses: NDArray[np.float64]
 
 
-def read_poses(path: Path) -> PoseTable:
+def read_poses(path: Path, *, naming: bool = False) -> PoseTable:
     """Read a table of poses.
+
+    Args:
+        path: of the table.
+        naming: whether photographs without a name are called by their number, `photograph_name`, because they are
+            still to be taken.
 
     Raises:
         SceneError: if it is missing or malformed; the message names line and column.
     """
     files: dict[str, int] = {}
     poses = []
-    for line, row in _rows(path, POSE_COLUMNS, optional=("tilt",)):
-        name = row["file"]
+    for line, row in _rows(path, POSE_COLUMNS, optional=("file", "tilt") if naming else ("tilt",)):
+        name = row.get("file") or photograph_name(len(files) + 1)
         if name in files:
             raise SceneError(f"{path}, line {line}: {name} is in line {files[name]} already; take one of them out")
         files[name] = line
@@ -60,6 +65,11 @@ def read_poses(path: Path) -> PoseTable:
     if not files:
         raise SceneError(f"{path} has no lines below its head; write one for each photograph")
     return PoseTable(path, tuple(files), tuple(files.values()), np.array(poses))
+
+
+def photograph_name(number: int) -> str:
+    """What a photograph of a number is called."""
+    return f"IMG_{number:04}.jpg"
 
 
 def read_moves(path: Path, files: Sequence[str]) -> tuple[tuple[Action, ...], NDArray[np.int32]]:
@@ -152,7 +162,7 @@ def _rows(path: Path, columns: Sequence[str], optional: Sequence[str] = ()) -> I
                     )
                 row = {name: cell.strip() for name, cell in zip(head, cells, strict=True)}
                 _check_cells(path, table.line_num, row)
-                if not row["file"]:
+                if "file" not in optional and not row["file"]:
                     raise SceneError(f"{path}, line {table.line_num}: file is empty; name a photograph")
                 if european:
                     row = {name: cell if "file" in name else cell.replace(",", ".") for name, cell in row.items()}
