@@ -18,6 +18,7 @@ pytestmark = pytest.mark.xdist_group("agent")
 COMMANDS = [
     [], ["demo"], ["train"], ["evaluate"], ["search"], ["report"], ["info"], ["scenes"], ["scenes", "list"],
     ["scenes", "info"], ["scenes", "check"], ["scenes", "render"], ["scenes", "label"],
+    ["scenes", "capture", "robot"], ["scenes", "capture", "grid"], ["bridge"],
 ]  # fmt: skip
 
 
