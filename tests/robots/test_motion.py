@@ -120,6 +120,19 @@ def test_where_most_of_the_way_is_free_it_stays_at_its_end(action, free):
     assert math.hypot(base.body.x - there[0], base.body.z - there[1]) < 0.03
 
 
+def test_wedged_beside_its_way_it_still_turns_back_to_where_it_looked():
+    shut = []  # once it has moved a little to the side, it cannot move at all
+
+    def free(x, z):
+        if x > 0.1:
+            shut.append(True)
+        return not shut
+
+    base = base_in(free)
+    assert not Driver(base, Limits(), 0.5).do(Action.MOVE_RIGHT)
+    assert abs(angle(base.body.heading)) < 3
+
+
 def test_it_goes_to_a_point_anywhere_around():
     base = base_in()
     driver = Driver(base, Limits(distance=3), 0.5)

@@ -183,9 +183,9 @@ class Driver:
             at = self._base.odometry()
             if self.stays and math.hypot(goal.x - at.x, goal.z - at.z) < math.hypot(before.x - at.x, before.z - at.z):
                 self.plan = _towards(at, before, BACKING, goal.heading)
-                self._reach(self.plan)
+                self._stay_at(self.plan)
                 return True
-            self._reach(before)
+            self._stay_at(before)
             return False
         finally:
             self._base.drive(0.0, 0.0)
@@ -234,20 +234,16 @@ class Driver:
         finally:
             self._base.drive(0.0, 0.0)
 
-    def turn_by(self, degrees: float) -> bool:
-        """Turn away from where the base is planned to be, and plan to be there; see `go_to`."""
-        here = self._planned()
-        return self.go_to(Plan(here.x, here.z, here.heading + degrees))
-
-    def move_by(self, metres: float) -> bool:
-        """Drive ahead, or back, from where the base is planned to be, and plan to be there; see `go_to`."""
-        return self.go_to(ahead(self._planned(), metres, 0.0))
-
     def _planned(self) -> Plan:
         if self.plan is None:
             at = self._fresh_odometry()
             self.plan = self.start = Plan(at.x, at.z, at.heading)
         return self.plan
+
+    def _stay_at(self, place: Plan) -> None:
+        """Get to a place as nearly as it can be, and look where one should look there in any case."""
+        if not self._reach(place):
+            self._face(place.heading)
 
     def _reach(self, goal: Plan) -> bool:
         at = self._fresh_odometry()
