@@ -213,7 +213,7 @@ def travelled(x, z, heading, limits=None, free=anywhere, start=90.0):
     """A driver that travelled from a start whose odometry is not 0, and its body, seen from there."""
     base = base_in(free)
     driver = Driver(base, limits or Limits(), 0.5)
-    driver.turn_by(start)
+    assert driver.go_to(Plan(0.0, 0.0, start))
     driver.start = driver.plan
     return driver.travel_to(x, z, heading), base.body
 
