@@ -81,7 +81,7 @@ def test_a_robot_without_a_tilt_joint_and_with_stamped_velocities_and_ros_2_name
 
 
 def test_a_blocked_way_is_driven_back():
-    with served(free=lambda x, z: z < 0.25) as bridge, RosRobot(bridge.url, SETTINGS) as robot:
+    with served(free=lambda x, z: z < 0.15) as bridge, RosRobot(bridge.url, SETTINGS) as robot:
         assert not robot.do(Action.MOVE_AHEAD)
         assert bridge.body.collisions >= 1
         assert bridge.body.z == pytest.approx(0, abs=0.1)
