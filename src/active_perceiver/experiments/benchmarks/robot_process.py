@@ -46,7 +46,6 @@ class Conditions:
         own_hour: whether the light is that of the scene instead of the room's hour that was asked for.
         perfect: whether the camera makes no mistakes.
         frames: taken for each look.
-        confirm: whether two views have to agree for found.
         explore: whether the agent looks round when it is lost.
         told: whether the agent is told if an action moved the robot.
         stays: whether the robot stays at the end of a way most of which is free.
@@ -59,7 +58,6 @@ class Conditions:
     own_hour: bool = False
     perfect: bool = False
     frames: int = 1
-    confirm: bool = False
     explore: bool = True
     told: bool = True
     stays: bool = True
@@ -115,7 +113,7 @@ _lab: _Lab | None = None
 def _open(agent: Path, room: str, conditions: Conditions, settings: RobotBenchmarkSettings) -> None:
     global _lab
     kind = ActivePerceiver if conditions.told else _Untold
-    perceiver = kind.from_pretrained(agent, 1, confirm=conditions.confirm, explore=conditions.explore)
+    perceiver = kind.from_pretrained(agent, 1, explore=conditions.explore)
     opened = open_room(
         room.partition("_hour_")[0] if conditions.own_hour else room,
         nudge=conditions.nudge,
