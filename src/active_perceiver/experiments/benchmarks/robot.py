@@ -110,9 +110,6 @@ def _rows(agents: Sequence[Path], settings: RobotBenchmarkSettings) -> Iterator[
     for agent in agents[:-1]:
         yield Row(f"all changes, {trained_on(agent)}", agent, everything, few)
     yield Row("all changes, --no-explore", last, replace(everything, explore=False), few)
-    yield Row("all changes, not told if it moved", last, replace(everything, told=False), few)
-    yield Row("all changes, blocked ways driven back", last, replace(everything, stays=False), few)
-    yield Row("all changes, three frames a look", last, replace(everything, frames=3), few)
 
 
 def trained_on(agent: Path) -> str:
