@@ -128,7 +128,6 @@ class Driver:
 
     Attributes:
         plan: where the base should be; where it was when the first action began, until then None.
-        stays: whether the base stays at the end of a blocked way most of which is free; else it always drives back.
         start: where that was; `travel_to` counts from there.
     """
 
@@ -140,7 +139,6 @@ class Driver:
             )
         self.limits = limits
         self.plan: Plan | None = None
-        self.stays = True
         self.start: Plan | None = None
         self._base = base
         self._step = step
@@ -181,7 +179,7 @@ class Driver:
                 self.plan = goal
                 return True
             at = self._base.odometry()
-            if self.stays and math.hypot(goal.x - at.x, goal.z - at.z) < math.hypot(before.x - at.x, before.z - at.z):
+            if math.hypot(goal.x - at.x, goal.z - at.z) < math.hypot(before.x - at.x, before.z - at.z):
                 self.plan = _towards(at, before, BACKING, goal.heading)
                 self._stay_at(self.plan)
                 return True

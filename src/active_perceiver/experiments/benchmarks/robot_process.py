@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from active_perceiver.experiments.benchmarks.settings import RobotBenchmarkSettings
 from active_perceiver.experiments.own_word import TRUE_IOU
-from active_perceiver.perceiver import ActivePerceiver, Step
+from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.progress import Report, quiet
 from active_perceiver.recognition.metrics import box_iou
 from active_perceiver.robots import search
@@ -30,7 +29,6 @@ from active_perceiver.robots.simulated import (
     open_room,
     random_start,
 )
-from active_perceiver.robots.steady import SteadyRobot
 from active_perceiver.scenes import Scene, decode_image, open_scene
 
 
@@ -45,10 +43,7 @@ class Conditions:
         nudge: metres by which things are moved at most.
         own_hour: whether the light is that of the scene instead of the room's hour that was asked for.
         perfect: whether the camera makes no mistakes.
-        frames: taken for each look.
         explore: whether the agent looks round when it is lost.
-        told: whether the agent is told if an action moved the robot.
-        stays: whether the robot stays at the end of a way most of which is free.
     """
 
     centimetres: float
@@ -57,10 +52,7 @@ class Conditions:
     nudge: float
     own_hour: bool = False
     perfect: bool = False
-    frames: int = 1
     explore: bool = True
-    told: bool = True
-    stays: bool = True
 
 
 def searches(
@@ -100,20 +92,12 @@ class _Lab:
     settings: RobotBenchmarkSettings
 
 
-class _Untold(ActivePerceiver):
-    """An agent that has to see for itself whether it moved."""
-
-    def act(self, image: NDArray[np.uint8] | bytes, moved: bool | None = None) -> Step:
-        return super().act(image, None)
-
-
 _lab: _Lab | None = None
 
 
 def _open(agent: Path, room: str, conditions: Conditions, settings: RobotBenchmarkSettings) -> None:
     global _lab
-    kind = ActivePerceiver if conditions.told else _Untold
-    perceiver = kind.from_pretrained(agent, 1, explore=conditions.explore)
+    perceiver = ActivePerceiver.from_pretrained(agent, 1, explore=conditions.explore)
     opened = open_room(
         room.partition("_hour_")[0] if conditions.own_hour else room,
         nudge=conditions.nudge,
@@ -135,9 +119,7 @@ def _search(number: int) -> dict[str, Any]:
     start = random_start(room, rng, conditions.centimetres, conditions.degrees)
     slip = Slip() if conditions.slip else Slip(0.0, 0.0, 0.0, 0.0, 0.0)
     robot = SimulatedRobot(room, start, actions=agent.config.actions(room.name), slip=slip, seed=number)
-    robot.driver.stays = conditions.stays
-    steady = SteadyRobot(robot, conditions.frames)
-    record = search(agent, steady, picture, branch=room.name, max_steps=settings.max_steps, seed=number)
+    record = search(agent, robot, picture, branch=room.name, max_steps=settings.max_steps, seed=number)
     end = robot.pose()
     boxes = room.look(end, [name])[1]
     drawn = record.glimpses[-1].step.detection
