@@ -109,7 +109,6 @@ def _rows(agents: Sequence[Path], settings: RobotBenchmarkSettings) -> Iterator[
     yield Row("things nudged as well: all changes", last, everything, settings.starts)
     for agent in agents[:-1]:
         yield Row(f"all changes, {trained_on(agent)}", agent, everything, few)
-    yield Row("all changes, --no-explore", last, replace(everything, explore=False), few)
 
 
 def trained_on(agent: Path) -> str:

@@ -43,7 +43,6 @@ class Conditions:
         nudge: metres by which things are moved at most.
         own_hour: whether the light is that of the scene instead of the room's hour that was asked for.
         perfect: whether the camera makes no mistakes.
-        explore: whether the agent looks round when it is lost.
     """
 
     centimetres: float
@@ -52,7 +51,6 @@ class Conditions:
     nudge: float
     own_hour: bool = False
     perfect: bool = False
-    explore: bool = True
 
 
 def searches(
@@ -97,7 +95,7 @@ _lab: _Lab | None = None
 
 def _open(agent: Path, room: str, conditions: Conditions, settings: RobotBenchmarkSettings) -> None:
     global _lab
-    perceiver = ActivePerceiver.from_pretrained(agent, 1, explore=conditions.explore)
+    perceiver = ActivePerceiver.from_pretrained(agent, 1)
     opened = open_room(
         room.partition("_hour_")[0] if conditions.own_hour else room,
         nudge=conditions.nudge,
