@@ -179,8 +179,8 @@ class RobotBenchmarkSettings:
     """And up to so much beside one of the four headings."""
     nudge: float = 0.05
     """Metres by which each target is moved at most."""
-    max_steps: int = 100
-    """Actions after which a search has failed."""
+    max_steps: int = 200
+    """Actions after which a search has failed, as many as `search` allows."""
     workers: int = 2
     """Processes that search; each needs about a gigabyte of memory."""
     seed: int = 0
