@@ -37,7 +37,7 @@ class RosError(UserError, RuntimeError):
 
 
 class ConnectionLost(RosError):
-    """The robot cannot be reached any more; its base stops by itself when no velocity comes."""
+    """The robot cannot be reached any more; its base has to stop by itself, see docs/robot.md, 1."""
 
 
 class Stream(Generic[Value]):

@@ -203,7 +203,7 @@ class RosRobot:
         return x, z, heading % 360, self.settings.tilts[self._tilt]
 
     def stop(self) -> None:
-        """Publish zero velocity, more than once. Without a connection the base stops by itself."""
+        """Publish zero velocity, more than once. Without a connection the base has to stop by itself."""
         for _ in range(STOPS):
             self._link.drive(0.0, 0.0)
             if self._link.lost is not None:
@@ -235,7 +235,7 @@ class RosRobot:
             return
         tried = f", and {patience.attempts} attempts to connect anew failed ({last})" if patience.attempts else ""
         raise ConnectionLost(
-            f"{cause or 'no connection'}{tried}; the base stops by itself when no velocity comes: check the robot "
+            f"{cause or 'no connection'}{tried}; stop it if it still moves (docs/robot.md, 1), and check the robot "
             "and the network"
         ) from cause
 
