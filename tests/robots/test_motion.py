@@ -35,7 +35,7 @@ class SimulatedBase:
         return self.body.time
 
     def wait(self, seconds):
-        self.body.run(seconds)
+        self.body.wait(seconds)
 
 
 def anywhere(x, z):
@@ -66,7 +66,7 @@ def test_without_slip_actions_lead_where_the_lattice_says(actions, step):
     # What one action leaves undone does not add up.
     assert math.hypot(base.body.x - x, base.body.z - z) < 0.03
     assert abs(angle(base.body.heading - heading)) < 3
-    base.body.run(0.5)
+    base.body.wait(0.5)
     assert not base.body.moving
     assert base.fastest <= Limits().speed
     assert base.sharpest <= Limits().turning
@@ -153,7 +153,7 @@ def test_a_motion_that_takes_too_long_is_given_up_and_stopped():
     base = base_in()
     with pytest.raises(MotionError, match="longer than the limit 'seconds'"):
         Driver(base, Limits(seconds=1.0), 0.75).do(Action.MOVE_AHEAD)
-    base.body.run(1)
+    base.body.wait(1)
     assert not base.body.moving
 
 
@@ -169,14 +169,14 @@ def test_an_exception_while_driving_stops_the_base():
     base = base_in()
 
     def interrupted(seconds):
-        base.body.run(seconds)
+        base.body.wait(seconds)
         if base.body.time > 0.5:
             raise KeyboardInterrupt
 
     base.wait = interrupted
     with pytest.raises(KeyboardInterrupt):
         Driver(base, Limits(), 0.75).do(Action.MOVE_AHEAD)
-    base.body.run(1)
+    base.body.wait(1)
     assert not base.body.moving
 
 

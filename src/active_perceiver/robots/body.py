@@ -118,10 +118,6 @@ class Body:
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
-        self.run(seconds)
-
-    def run(self, seconds: float) -> None:
-        """Let time pass."""
         end = self.time + seconds
         while self.time < end - 1e-9:
             self._step(min(STEP, end - self.time))

@@ -204,7 +204,7 @@ class Driver:
         """
         before = self._planned()
         assert self.start is not None  # set together with the plan
-        if self._travel(_seen_from(self.start, x, z, heading)):
+        if self._travel(seen_from(self.start, x, z, heading)):
             return True
         self._travel(before)
         return False
@@ -253,9 +253,9 @@ class Driver:
             )
         if distance > 2 * self.limits.close:
             towards = math.degrees(math.atan2(goal.x - at.x, goal.z - at.z))
-            beside = _angle(towards - at.heading)
-            backwards = abs(beside) > 180 - ASIDE
-            if ASIDE < abs(beside) <= 180 - ASIDE and distance > 5 * self.limits.close and not self._face(towards):
+            backwards = _lies_behind(at.heading, towards)
+            aside = not backwards and abs(signed_angle(towards - at.heading)) > ASIDE
+            if aside and distance > 5 * self.limits.close and not self._face(towards):
                 return False
             if not self._drive_to(goal, backwards):
                 return False
@@ -264,7 +264,7 @@ class Driver:
     def _face(self, heading: float) -> bool:
         """Turn on the spot; False if the base does not turn."""
         watch = _Watch(self._base, self.limits)
-        while abs(left := _angle(heading - self._fresh_odometry().heading)) > self.limits.straight:
+        while abs(left := signed_angle(heading - self._fresh_odometry().heading)) > self.limits.straight:
             if watch.stalled(abs(left), self.limits.straight):
                 self._settle()
                 return False
@@ -292,7 +292,7 @@ class Driver:
                 self._settle()
                 return False
             correction = max(-MOST_STEERING, min(MOST_STEERING, 100 * STEERING * beside))
-            turning = EAGERNESS * _angle(face + correction - at.heading)
+            turning = EAGERNESS * signed_angle(face + correction - at.heading)
             turning = max(-self.limits.turning, min(self.limits.turning, turning))
             speed = min(self.limits.speed, max(EAGERNESS * left, 2 * self.limits.close))
             self._command(sense * speed, turning)
@@ -351,10 +351,14 @@ def ahead(here: Plan, metres: float, direction: float) -> Plan:
 
 def driving(heading: float, way: float) -> float:
     """The heading at which a base that has one drives along a way, in degrees: backwards if that lies behind."""
-    return way + 180.0 if abs(_angle(way - heading)) > 180 - ASIDE else way
+    return way + 180.0 if _lies_behind(heading, way) else way
 
 
-def _seen_from(start: Plan, x: float, z: float, heading: float) -> Plan:
+def _lies_behind(heading: float, way: float) -> bool:
+    return abs(signed_angle(way - heading)) > 180 - ASIDE
+
+
+def seen_from(start: Plan, x: float, z: float, heading: float) -> Plan:
     """The point so far to the right and ahead of a start, in the frame of the start."""
     angle = math.radians(start.heading)
     return Plan(
@@ -370,6 +374,6 @@ def _towards(at: Odometry, place: Plan, metres: float, heading: float) -> Plan:
     return Plan(at.x + share * (place.x - at.x), at.z + share * (place.z - at.z), heading)
 
 
-def _angle(degrees: float) -> float:
+def signed_angle(degrees: float) -> float:
     """The same angle in -180..180."""
     return (degrees + 180.0) % 360.0 - 180.0

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import Self
 
-from active_perceiver.robots.motion import Driver, Odometry
+from active_perceiver.robots.motion import Driver, Odometry, signed_angle
 from active_perceiver.robots.ros_link import ConnectionLost, Link, RosError
 from active_perceiver.robots.ros_settings import RosSettings
 from active_perceiver.scenes import Action
@@ -321,7 +321,7 @@ class RosRobot:
         """Whether the odometry after a new connection is where it can be if it was there before."""
         after, limits = self._link.wheels.newest, self.settings.limits
         assert after is not None
-        turned = abs((after[2] - before[2] + 180) % 360 - 180)
+        turned = abs(signed_angle(after[2] - before[2]))
         return (
             math.hypot(after[0] - before[0], after[1] - before[1]) <= limits.speed * STOPPED_AFTER + METRES_OFF
             and turned <= limits.turning * STOPPED_AFTER + DEGREES_OFF

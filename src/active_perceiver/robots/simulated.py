@@ -19,6 +19,7 @@ from active_perceiver.robots.body import Body, Slip
 from active_perceiver.robots.motion import Driver, Limits
 from active_perceiver.robots.ros_settings import ACTIONS, Joint, RosSettings
 from active_perceiver.robots.simulated_bridge import SimulatedBridge
+from active_perceiver.rooms.capturing.capture import HEADINGS
 from active_perceiver.rooms.live_room import WEBCAM, LiveRoom, open_room, scene_of
 from active_perceiver.scenes import Action
 from active_perceiver.scenes.lattice import LOOK, lattice_poses
@@ -28,7 +29,6 @@ __all__ = [
     "open_room", "random_start", "scene_of",
 ]  # fmt: skip
 
-HEADINGS = (0.0, 90.0, 180.0, 270.0)
 # Places drawn near a lattice's until one is free.
 TRIES = 100
 

@@ -168,7 +168,7 @@ class SimulatedBridge:
             if now - self._commanded > WATCHDOG:
                 self.body.drive(0.0, 0.0)
             passed, last = (now - last) * self._speedup, now
-            self.body.run(passed)
+            self.body.wait(passed)
             self.tilt += float(np.clip(self._wanted_tilt - self.tilt, -TILTING * passed, TILTING * passed))
 
     async def _film(self) -> None:

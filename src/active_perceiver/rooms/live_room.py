@@ -86,7 +86,7 @@ def open_room(
         name: of a bundled scene, or layout and seed, perhaps with another hour of the day or another arrangement of
             the things: "kitchen_1", "kitchen_1_hour_dusk", "kitchen_1_moved_2".
         nudge: metres by which every target is moved at most, in a direction of its own.
-        seed: of the nudges, the light's randomness and the camera's faults.
+        seed: of the nudges and the camera's faults.
         faults: of the robot's camera, whatever the scenes were captured with; None for a perfect one.
         progress: opens a progress bar.
 
