@@ -44,14 +44,39 @@ def view(x, z, heading, tilt):
     return np.full((32, 48, 3), np.clip(colour, 0, 255), np.uint8)
 
 
+NO_SLIP = Slip(0, 0, 0, 0, 0)
+
+
 def anywhere(x, z):
     return True
+
+
+class Paced(Body):
+    """A body that does not slip, and whose time stands still until the next command when that is late.
+
+    So a test says where it gets to, however busy the machine is.
+    """
+
+    PACE = 0.2  # seconds of its time for one command
+
+    def __init__(self, free=anywhere):
+        super().__init__(0.0, 0.0, 0.0, free, NO_SLIP, 0)
+        self._left = 0.0
+
+    def drive(self, speed, turning):
+        super().drive(speed, turning)
+        self._left = self.PACE
+
+    def wait(self, seconds):
+        seconds = min(seconds, self._left)
+        self._left -= seconds
+        super().wait(seconds)
 
 
 @contextlib.contextmanager
 def served(settings=SETTINGS, *, free=anywhere, camera=view, body=None, speedup=2.0):
     """A bridge in front of a body at 0, 0 that does not slip."""
-    body = body or Body(0.0, 0.0, 0.0, free, Slip(0, 0, 0, 0, 0), 0)
+    body = body or Paced(free)
     with SimulatedBridge(body, camera, settings, speedup=speedup) as bridge:
         yield bridge
 

@@ -180,6 +180,30 @@ def test_an_exception_while_driving_stops_the_base():
     assert not base.body.moving
 
 
+class Laggard(SimulatedBase):
+    """A base whose odometry is what it was some time ago."""
+
+    def __init__(self, body, lag):
+        super().__init__(body)
+        self.lag, self.seen = lag, [body.odometry()]
+
+    def odometry(self):
+        return next(at for at in reversed(self.seen) if at.time <= self.body.time - self.lag or at is self.seen[0])
+
+    def wait(self, seconds):
+        for _ in range(5):
+            super().wait(seconds / 5)
+            self.seen.append(self.body.odometry())
+
+
+@pytest.mark.parametrize("speed", [0.25, 0.5, 1.0, 1.5])
+def test_a_fast_base_stops_in_time_although_its_odometry_is_late(speed):
+    base = Laggard(Body(0.0, 0.0, 0.0, anywhere, NO_SLIP, 0), 0.15)
+    assert Driver(base, Limits(speed=speed, distance=3.0), 2.0).do(Action.MOVE_AHEAD)
+    base.body.wait(1.0)
+    assert base.body.z == pytest.approx(2.0, abs=0.05)
+
+
 def test_a_base_does_not_look():
     with pytest.raises(MotionError, match="cannot do LookUp"):
         Driver(base_in(), Limits(), 0.5).do(TURTLEBOT_ACTIONS[4])

@@ -20,8 +20,9 @@ LEVEL = 3 * 4 * 5 + 1  # a state of the toy scene
 
 
 def striped(x, z, heading, tilt):
+    """A view with stripes whose shade tells x, which its colours do not."""
     image = view(x, z, heading, tilt)
-    image[:, ::4] = 255 - image[:, ::4]
+    image[:, ::4] = round(np.clip(128 + 100 * x, 0, 255))
     return image
 
 

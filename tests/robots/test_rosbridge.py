@@ -15,12 +15,12 @@ from active_perceiver.cli import main
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.robot_places import robot_at
 from active_perceiver.robots import Robot, Wanderer
-from active_perceiver.robots.body import Body, Slip
+from active_perceiver.robots.body import Body
 from active_perceiver.robots.motion import MotionError, Odometry
 from active_perceiver.robots.ros_link import ConnectionLost, RosError
 from active_perceiver.robots.rosbridge import RosRobot
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action
-from bridge import LONG, SETTINGS, Tripwire, comes_to_rest, served, view, with_
+from bridge import LONG, NO_SLIP, SETTINGS, Tripwire, comes_to_rest, served, view, with_
 from toy import toy_scene
 
 PATIENT = with_(LONG, connection={"attempts": 20})
@@ -102,7 +102,8 @@ def test_stopping_is_safe_at_any_time():
 
 def moving(settings, fault):
     """A bridge whose body is on its way when a fault happens."""
-    return served(settings, free=Tripwire(0.15, lambda: fault[0]()), speedup=1.0)
+    body = Body(0, 0, 0, Tripwire(0.15, lambda: fault[0]()), NO_SLIP, 0)
+    return served(settings, body=body, speedup=1.0)
 
 
 FAULTS = {
@@ -177,7 +178,7 @@ def test_odometry_that_began_anew_is_not_driven_by():
         body.jump = 5.0
         bridge.drop(0.2)
 
-    body = Rebooting(0, 0, 0, Tripwire(0.15, reboot), Slip(0, 0, 0, 0, 0), 0)
+    body = Rebooting(0, 0, 0, Tripwire(0.15, reboot), NO_SLIP, 0)
     with served(PATIENT, body=body, speedup=1.0) as bridge, RosRobot(bridge.url, PATIENT) as robot:
         assert not robot.do(Action.MOVE_AHEAD)
         assert comes_to_rest(body)
@@ -218,7 +219,7 @@ def test_without_its_odometry_a_robot_does_not_know_where_to_go():
         body.jump = 5.0
         bridge.drop(0.2)
 
-    body = Rebooting(0, 0, 0, Tripwire(0.15, reboot), Slip(0, 0, 0, 0, 0), 0)
+    body = Rebooting(0, 0, 0, Tripwire(0.15, reboot), NO_SLIP, 0)
     with served(PATIENT, body=body, speedup=1.0) as bridge, RosRobot(bridge.url, PATIENT) as robot:
         with pytest.raises(RosError, match="put it back to where it began"):
             robot.go_to(0.0, 1.0, 0.0, 0.0)

@@ -17,6 +17,8 @@ from active_perceiver.scenes.lattice import MOVE_DIRECTION, TURN
 
 # So many times what is left to drive, or to turn, is the speed per second: the base slows down towards the end.
 EAGERNESS = 2.0
+# Metres per second squared by which it slows down at most: no motor is asked for more, so a fast base stops in time.
+BRAKING = 0.5
 # It steers back by so many degrees for each centimetre beside its line, at most so many.
 STEERING, MOST_STEERING = 2.0, 15.0
 # A point this much to the side of the way, seen from the robot, is driven to after turning towards it.
@@ -294,7 +296,8 @@ class Driver:
             correction = max(-MOST_STEERING, min(MOST_STEERING, 100 * STEERING * beside))
             turning = EAGERNESS * signed_angle(face + correction - at.heading)
             turning = max(-self.limits.turning, min(self.limits.turning, turning))
-            speed = min(self.limits.speed, max(EAGERNESS * left, 2 * self.limits.close))
+            speed = max(min(EAGERNESS * left, math.sqrt(2 * BRAKING * left)), 2 * self.limits.close)
+            speed = min(self.limits.speed, speed)
             self._command(sense * speed, turning)
 
     def _command(self, speed: float, turning: float) -> None:
