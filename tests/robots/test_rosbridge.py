@@ -14,7 +14,7 @@ import pytest
 from active_perceiver.cli import main
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.robot_places import robot_at
-from active_perceiver.robots import Robot, Wanderer
+from active_perceiver.robots import Robot, Wanderer, simulated_bridge
 from active_perceiver.robots.body import Body
 from active_perceiver.robots.motion import MotionError, Odometry
 from active_perceiver.robots.ros_link import ConnectionLost, RosError
@@ -235,6 +235,23 @@ def test_a_robot_that_does_not_come_back_is_given_up():
             with pytest.raises(ConnectionLost, match=r"was lost: it was closed, and 2 attempts .*no rosbridge"):
                 robot.do(Action.MOVE_AHEAD)
             assert comes_to_rest(bridge.body)
+
+
+def test_a_base_that_does_not_stop_by_itself_is_stopped_as_soon_as_it_can_be_reached(monkeypatch):
+    monkeypatch.setattr(simulated_bridge, "WATCHDOG", math.inf)
+    settings = with_(LONG, connection={"attempts": 1, "timeout": 1.0})
+
+    def cut():
+        bridge.freeze_camera(repeat=False)
+        bridge.drop()
+
+    # It drives on until it is told otherwise, and nothing it sees will come again.
+    with moving(settings, [cut]) as bridge, RosRobot(bridge.url, settings) as robot:
+        with pytest.raises(ConnectionLost, match="no image came"):
+            robot.do(Action.MOVE_AHEAD)
+        assert bridge.connections == 2
+        assert bridge.velocity == (0, 0)
+        assert comes_to_rest(bridge.body)
 
 
 def test_nobody_answers():

@@ -148,7 +148,7 @@ class Link:
         self._said = ""
 
     def open(self) -> None:
-        """Connect, subscribe, and wait for the first image and odometry.
+        """Connect, stop the base, subscribe, and wait for the first image and odometry.
 
         Raises:
             ConnectionLost: if the bridge cannot be reached.
@@ -182,11 +182,14 @@ class Link:
         self._check_types()
         self._subscribe()
         while self.camera.newest is None or self.wheels.newest is None:
+            # A base that was driving when the connection was lost must not have to wait for its camera to be stopped.
+            # Sent more than once: the first may come before the base listens to a new publisher.
+            self.drive(0.0, 0.0)
             if self.lost is not None or time.monotonic() > deadline:
                 error = self._nothing_came(timeout)
                 self.close()
                 raise error
-            time.sleep(0.01)
+            time.sleep(0.02)
 
     def close(self) -> None:
         """Give the connection up; what was published before is sent. Safe at any time."""
