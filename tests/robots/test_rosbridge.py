@@ -254,6 +254,28 @@ def test_a_base_that_does_not_stop_by_itself_is_stopped_as_soon_as_it_can_be_rea
         assert comes_to_rest(bridge.body)
 
 
+def test_a_connection_that_is_lost_again_in_the_same_action_is_given_up():
+    then = []
+    with moving(PATIENT, then) as bridge:
+        second = Tripwire(0.6, lambda: bridge.drop(60))
+        then.append(lambda: (bridge.drop(), setattr(bridge.body, "_free", second)))
+        with RosRobot(bridge.url, PATIENT) as robot:
+            with pytest.raises(ConnectionLost, match="closed, once more in the same action; stop it if it still"):
+                robot.do(Action.MOVE_AHEAD)
+            assert comes_to_rest(bridge.body)
+
+
+@pytest.mark.parametrize("wrong", [(math.nan, 0.0), (0.1, math.nan), (math.inf, 0.0)])
+def test_what_is_no_velocity_stops_the_robot(wrong):
+    with served() as bridge, RosRobot(bridge.url, SETTINGS) as robot:
+        robot._base.drive(0.2, 0.0)
+        with pytest.raises(RosError, match="is no velocity"):
+            robot._base.drive(*wrong)
+        robot.stop()
+        assert bridge.velocity == (0, 0)
+        assert abs(bridge.body.z) < 0.1
+
+
 def test_nobody_answers():
     settings = with_(connection={"timeout": 1.0})
     with socket.create_server(("127.0.0.1", 0)) as deaf:

@@ -10,7 +10,8 @@ import atexit
 import logging
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 
 import numpy as np
@@ -27,6 +28,8 @@ from active_perceiver.scenes.lattice import LOOK
 STOPS, BETWEEN_STOPS = 3, 0.03
 # Odometry goes on where it was if it is at most so much further than the base can have come before it stopped itself.
 STOPPED_AFTER, METRES_OFF, DEGREES_OFF = 1.0, 0.1, 5.0
+# What to do when nothing can be sent any more.
+STILL_MOVES = "stop it if it still moves (docs/robot.md, 1), and check the robot and the network"
 
 LOG = logging.getLogger(__name__)
 
@@ -42,7 +45,11 @@ class RosBase:
 
         Raises:
             ConnectionLost: if there is no connection.
+            RosError: if a velocity is no number, which no limit holds.
         """
+        if not math.isfinite(speed + turning):
+            self._link.drive(0.0, 0.0)
+            raise RosError(f"{speed:g} m/s with {turning:g} degrees/s is no velocity; the robot was stopped")
         if speed or turning:
             self.check()
         limits = self._settings.limits
@@ -148,7 +155,8 @@ class RosRobot:
             return self._look()
         except ConnectionLost as lost:
             self.reconnect(lost)
-            return self._look()
+            with _for_the_last_time():
+                return self._look()
         except BaseException:
             self.stop()
             raise
@@ -234,10 +242,7 @@ class RosRobot:
             self._aim()
             return
         tried = f", and {patience.attempts} attempts to connect anew failed ({last})" if patience.attempts else ""
-        raise ConnectionLost(
-            f"{cause or 'no connection'}{tried}; stop it if it still moves (docs/robot.md, 1), and check the robot "
-            "and the network"
-        ) from cause
+        raise ConnectionLost(f"{cause or 'no connection'}{tried}; {STILL_MOVES}") from cause
 
     def close(self) -> None:
         """Stop the robot and give up the connection."""
@@ -261,7 +266,8 @@ class RosRobot:
         except ConnectionLost as lost:
             before = self._link.wheels.newest or before
             self.reconnect(lost)
-            return motion() if before is not None and self._goes_on(before) else None
+            with _for_the_last_time():
+                return motion() if before is not None and self._goes_on(before) else None
 
     def _carry_out(self, action: Action) -> bool:
         if action in LOOK:
@@ -326,3 +332,12 @@ class RosRobot:
             math.hypot(after[0] - before[0], after[1] - before[1]) <= limits.speed * STOPPED_AFTER + METRES_OFF
             and turned <= limits.turning * STOPPED_AFTER + DEGREES_OFF
         )
+
+
+@contextmanager
+def _for_the_last_time() -> Iterator[None]:
+    """A connection that is lost in the block is not made again; say what to do."""
+    try:
+        yield
+    except ConnectionLost as lost:
+        raise ConnectionLost(f"{lost}, once more in the same action; {STILL_MOVES}") from lost
