@@ -165,6 +165,16 @@ def test_a_motion_that_is_too_long_is_not_begun():
     assert (base.body.x, base.body.z) == (0, 0)
 
 
+@pytest.mark.parametrize("point", [(math.nan, 0.0, 0.0), (0.0, math.inf, 0.0), (0.0, 0.5, math.nan)])
+def test_what_is_no_point_is_not_driven_to(point):
+    base = base_in()
+    driver = Driver(base, Limits(), 0.5)
+    for go in (lambda: driver.go_to(Plan(*point)), lambda: driver.travel_to(*point)):
+        with pytest.raises(MotionError, match="is no point to drive to"):
+            go()
+    assert base.body.time == 0
+
+
 def test_an_exception_while_driving_stops_the_base():
     base = base_in()
 
@@ -210,7 +220,8 @@ def test_a_base_does_not_look():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"speed": 0}, {"speed": 2}, {"seconds": float("nan")}, {"distance": -1}, {"odometry_age": 11}]
+    "wrong",
+    [{"speed": 0}, {"speed": 2}, {"seconds": float("nan")}, {"distance": -1}, {"odometry_age": 11}, {"period": 0.6}],
 )
 def test_limits_that_make_no_sense_are_refused(wrong):
     with pytest.raises(MotionError, match=next(iter(wrong))):

@@ -30,6 +30,9 @@ NEAR = 0.1
 # A part of a long way is this share of the limit 'distance': the base is never quite where it is planned to be.
 PART = 0.9
 
+# What the limits may be at most; the others 10.
+MOST = {"speed": 1.5, "turning": 180.0, "distance": 10.0, "seconds": 120.0, "period": 0.5}
+
 
 class MotionError(UserError, RuntimeError):
     """A motion that was given up; the base was stopped. The message says why and what to do."""
@@ -89,7 +92,7 @@ class Limits:
         stall: seconds without progress after which the way counts as blocked.
         close: metres; so near is there.
         straight: degrees; so little beside the heading is there.
-        period: seconds between two commands.
+        period: seconds between two commands; for so long the base drives unwatched.
     """
 
     speed: float = 0.25
@@ -103,9 +106,8 @@ class Limits:
     period: float = 0.05
 
     def __post_init__(self) -> None:
-        largest = {"speed": 1.5, "turning": 180.0, "distance": 10.0, "seconds": 120.0, "odometry_age": 10.0}
         for field in fields(self):
-            value, most = getattr(self, field.name), largest.get(field.name, 10.0)
+            value, most = getattr(self, field.name), MOST.get(field.name, 10.0)
             if not 0 < value <= most:
                 raise MotionError(f"the limit '{field.name}' must be above 0 and at most {most:g}, got {value}")
 
@@ -173,8 +175,9 @@ class Driver:
             Whether it got there, or nearer to there.
 
         Raises:
-            MotionError: if the motion exceeds a limit.
+            MotionError: if the motion exceeds a limit, or the point is none.
         """
+        _check_numbers(goal.x, goal.z, goal.heading)
         before = self._planned()
         try:
             if self._reach(goal):
@@ -202,8 +205,9 @@ class Driver:
             Whether it got there, to within `NEAR` metres. If not it is where it was, as nearly as it can be.
 
         Raises:
-            MotionError: if a motion exceeds a limit.
+            MotionError: if a motion exceeds a limit, or the point is none.
         """
+        _check_numbers(x, z, heading)
         before = self._planned()
         assert self.start is not None  # set together with the plan
         if self._travel(seen_from(self.start, x, z, heading)):
@@ -344,6 +348,11 @@ class _Watch:
         if left < self._least - little:
             self._least, self._progress = left, now
         return now - self._progress > self._limits.stall
+
+
+def _check_numbers(*point: float) -> None:
+    if not all(math.isfinite(value) for value in point):
+        raise MotionError(f"{point} is no point to drive to: x, z and heading are numbers; the robot was not moved")
 
 
 def ahead(here: Plan, metres: float, direction: float) -> Plan:
