@@ -24,6 +24,7 @@ from active_perceiver.files import OutputExistsError, replacing
 from active_perceiver.progress import Report, console, progress_bar
 from active_perceiver.robots import Wanderer
 from active_perceiver.robots.motion import driving
+from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.importers.pose_table import PoseTable, write_poses
 
@@ -184,7 +185,7 @@ class _Journey:
         return False
 
     def _turned_to(self, heading: float) -> None:
-        self._heading += (heading - self._heading + 180) % 360 - 180
+        self._heading += signed_angle(heading - self._heading)
 
 
 class _Album:

@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from active_perceiver.errors import UserError
+from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.lattice import lattice_poses
 
 # Short ways are dearer than one long one only if it is hardly longer: where places were marked one can walk.
@@ -92,7 +93,7 @@ class Tour:
         for start in headings:
             for sense in (1.0, -1.0):
                 order = headings[np.argsort((sense * (headings - start)) % 360)].tolist()
-                turned = (np.diff([heading, *order]) + 180) % 360 - 180
+                turned = signed_angle(np.diff([heading, *order]))
                 candidate = (round(float(np.abs(turned).sum())), abs(heading + float(turned.sum())), order)
                 best = candidate if best is None else min(best, candidate)
         assert best is not None  # a place has a heading

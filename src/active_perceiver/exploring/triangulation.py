@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.scenes.angles import signed_angle
+
 CELL = 0.2
 """Metres between the points that are taken into consideration for where the target is."""
 MARGIN = 2.0
@@ -117,7 +119,7 @@ def estimate(sightings: Sequence[Sighting], poses: NDArray[np.floating], fov: fl
     points = np.stack([x.ravel(), z.ravel()], axis=-1)
     away = points[None] - cameras[:, None, :2]  # (n, P, 2)
     distance = np.hypot(away[..., 0], away[..., 1])
-    miss = _turn(np.degrees(np.arctan2(away[..., 0], away[..., 1])) - directions[:, :1])
+    miss = signed_angle(np.degrees(np.arctan2(away[..., 0], away[..., 1])) - directions[:, :1])
     possible = (distance > NEAREST) & (distance < FARTHEST)
     votes = possible * np.exp(-0.5 * (miss / SHARPNESS) ** 2)
     likely = np.exp(-0.5 * (distance - LIKELY_RANGE) ** 2)
@@ -152,8 +154,3 @@ def expected_areas(found: Estimate, poses: NDArray[np.floating], fov: float) -> 
     distance = np.hypot(away[:, 0], away[:, 1])
     seen = (ahead > 0) & (np.abs(right) < half * ahead) & (np.abs(up) < half * ahead) & (distance > NEAREST)
     return np.where(seen, np.minimum(found.size / np.maximum(distance, NEAREST) ** 2, 1.0), 0.0)
-
-
-def _turn(angles: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Degrees in -180..180."""
-    return (angles + 180.0) % 360.0 - 180.0

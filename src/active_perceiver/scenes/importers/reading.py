@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
+from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.hdf5 import check_stored
 from active_perceiver.scenes.images import MAX_PIXELS, boxes_in_square, encode_image, square_image
 from active_perceiver.scenes.lattice import Action
@@ -217,7 +218,7 @@ def boxes_of_corners(
 
 def turned(degrees: NDArray[np.floating]) -> NDArray[np.float64]:
     """Differences of headings as the shorter way round, -180 to 180 degrees."""
-    return (np.asarray(degrees, float) + 180.0) % 360.0 - 180.0
+    return signed_angle(np.asarray(degrees, float))
 
 
 def actions_between(
