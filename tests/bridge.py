@@ -6,8 +6,8 @@ import time
 
 import numpy as np
 
+from active_perceiver.robots.base import Limits
 from active_perceiver.robots.body import Body, Slip
-from active_perceiver.robots.motion import Limits
 from active_perceiver.robots.ros_settings import Camera, Connection, Joint, RosSettings, Velocity, Wheels
 from active_perceiver.robots.simulated_bridge import SimulatedBridge
 

@@ -6,8 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from active_perceiver.robots.base import Limits, MotionError, Odometry
 from active_perceiver.robots.body import Body, BodyError, Slip
-from active_perceiver.robots.motion import Driver, Limits, MotionError, Odometry, Plan
+from active_perceiver.robots.motion import Driver
+from active_perceiver.robots.plan import Plan
 from active_perceiver.scenes import TURTLEBOT_ACTIONS, Action
 from active_perceiver.scenes.lattice import MOVE_DIRECTION, TURN
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from active_perceiver.robots import Robot
-from active_perceiver.robots.motion import Limits
+from active_perceiver.robots.base import Limits
 from active_perceiver.robots.ros_settings import Camera, Connection, RosSettings, load_settings, presets
 from toy import toy_scene
 

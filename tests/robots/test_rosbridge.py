@@ -15,8 +15,8 @@ from active_perceiver.cli import main
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.robot_places import robot_at
 from active_perceiver.robots import Robot, Wanderer, simulated_bridge
+from active_perceiver.robots.base import MotionError, Odometry
 from active_perceiver.robots.body import Body
-from active_perceiver.robots.motion import MotionError, Odometry
 from active_perceiver.robots.ros_link import ConnectionLost, RosError
 from active_perceiver.robots.rosbridge import RosRobot
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action

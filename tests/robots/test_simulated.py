@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from active_perceiver.errors import UserError
+from active_perceiver.robots.base import Limits, MotionError
 from active_perceiver.robots.body import BodyError, Slip
-from active_perceiver.robots.motion import Limits, MotionError
 from active_perceiver.robots.simulated import SimulatedRobot, lattice_start, random_start
 from active_perceiver.rooms.capturing.capture import HEADINGS
 from active_perceiver.rooms.free_space import clearance, free_positions

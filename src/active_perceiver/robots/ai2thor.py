@@ -23,6 +23,7 @@ from typing_extensions import Self
 
 from active_perceiver.errors import UserError
 from active_perceiver.scenes import EIGHT_ACTIONS, Action, Scene
+from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.lattice import LOOK, MOVE_DIRECTION, TURN, lattice_poses
 
 # How far from where it was asked to be an agent may stand. Teleport says that it succeeded even if the agent was
@@ -200,7 +201,7 @@ def event_image(event: Any) -> NDArray[np.uint8]:
 def event_pose(event: Any) -> ThorPose:
     """Where the agent stands and looks: x, z in metres, heading in 0..360 and tilt in degrees, up positive."""
     agent = event.metadata["agent"]
-    horizon = (float(agent["cameraHorizon"]) + 180) % 360 - 180
+    horizon = signed_angle(float(agent["cameraHorizon"]))
     heading = round(float(agent["rotation"]["y"]), 3) % 360
     return float(agent["position"]["x"]), float(agent["position"]["z"]), heading, round(-horizon, 3) + 0.0
 
@@ -242,7 +243,7 @@ def teleport(controller: Controller, pose: ThorPose, height: float) -> Any | Non
     if not succeeded(event):
         return None
     there = event_pose(event)
-    turned = abs((there[2] - heading + 180) % 360 - 180)
+    turned = abs(signed_angle(there[2] - heading))
     is_there = math.hypot(there[0] - x, there[1] - z) <= METRES_OFF
     return event if is_there and turned <= DEGREES_OFF and abs(there[3] - tilt) <= DEGREES_OFF else None
 

@@ -1,6 +1,6 @@
 """The body of a simulated robot: two driven wheels that slip, odometry that believes the wheels, walls that stop it.
 
-It is a `motion.Base` of its own, whose time passes only when somebody waits.
+It is a `base.Base` of its own, whose time passes only when somebody waits.
 
 The body turns on the spot and drives straight ahead and back, as a TurtleBot does (the paper's section IV-C). Time is
 cut into short steps. What the wheels do is what is commanded, within what the motors can; what the robot does is
@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from active_perceiver.errors import UserError
-from active_perceiver.robots.motion import Odometry
+from active_perceiver.robots.base import Odometry
 
 # Metres per second squared, and degrees per second squared, that the motors can do.
 SPEEDING, SPINNING = 1.0, 180.0

@@ -8,11 +8,11 @@ what the odometry itself gets wrong adds up, as on every robot without a map.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import Protocol
 
-from active_perceiver.errors import UserError
+from active_perceiver.robots.base import Base, Limits, MotionError, Odometry
+from active_perceiver.robots.plan import Plan, ahead, counted_from, moved_towards
 from active_perceiver.scenes import Action
+from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.lattice import MOVE_DIRECTION, TURN
 
 # So many times what is left to drive, or to turn, is the speed per second: the base slows down towards the end.
@@ -29,96 +29,6 @@ BACKING = 0.03
 NEAR = 0.1
 # A part of a long way is this share of the limit 'distance': the base is never quite where it is planned to be.
 PART = 0.9
-
-# What the limits may be at most; the others 10.
-MOST = {"speed": 1.5, "turning": 180.0, "distance": 10.0, "seconds": 120.0, "period": 0.5}
-
-
-class MotionError(UserError, RuntimeError):
-    """A motion that was given up; the base was stopped. The message says why and what to do."""
-
-
-@dataclass(frozen=True)
-class Odometry:
-    """Where the wheels say that the base is.
-
-    Attributes:
-        x: metres.
-        z: metres.
-        heading: degrees, clockwise seen from above, 0 along z and 90 along x; in any range.
-        time: seconds, of the clock that `Base.now` reads, when this was measured.
-    """
-
-    x: float
-    z: float
-    heading: float
-    time: float
-
-
-class Base(Protocol):
-    """What drives and turns."""
-
-    def drive(self, speed: float, turning: float) -> None:
-        """Set the velocities: metres per second, negative backwards, and degrees per second, clockwise."""
-        ...
-
-    def odometry(self) -> Odometry:
-        """The newest odometry."""
-        ...
-
-    def now(self) -> float:
-        """Seconds of a clock that never goes back."""
-        ...
-
-    def wait(self, seconds: float) -> None:
-        """Let time pass.
-
-        Raises:
-            Exception: if the robot should not move on, because its connection is lost for example.
-        """
-        ...
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What no motion exceeds, and how exact it is.
-
-    Attributes:
-        speed: metres per second.
-        turning: degrees per second.
-        distance: metres, of one motion.
-        seconds: for one motion; when they are over the base is stopped and the motion given up.
-        odometry_age: seconds; with older odometry nothing moves.
-        stall: seconds without progress after which the way counts as blocked.
-        close: metres; so near is there.
-        straight: degrees; so little beside the heading is there.
-        period: seconds between two commands; for so long the base drives unwatched.
-    """
-
-    speed: float = 0.25
-    turning: float = 45.0
-    distance: float = 1.5
-    seconds: float = 20.0
-    odometry_age: float = 0.5
-    stall: float = 1.0
-    close: float = 0.01
-    straight: float = 1.0
-    period: float = 0.05
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value, most = getattr(self, field.name), MOST.get(field.name, 10.0)
-            if not 0 < value <= most:
-                raise MotionError(f"the limit '{field.name}' must be above 0 and at most {most:g}, got {value}")
-
-
-@dataclass
-class Plan:
-    """Where the base should be by now, in the frame of its odometry: metres, and degrees clockwise."""
-
-    x: float
-    z: float
-    heading: float
 
 
 class Driver:
@@ -185,7 +95,7 @@ class Driver:
                 return True
             at = self._base.odometry()
             if math.hypot(goal.x - at.x, goal.z - at.z) < math.hypot(before.x - at.x, before.z - at.z):
-                self.plan = _towards(at, before, BACKING, goal.heading)
+                self.plan = moved_towards(at, before, BACKING, goal.heading)
                 self._stay_at(self.plan)
                 return True
             self._stay_at(before)
@@ -210,7 +120,7 @@ class Driver:
         _check_numbers(x, z, heading)
         before = self._planned()
         assert self.start is not None  # set together with the plan
-        if self._travel(seen_from(self.start, x, z, heading)):
+        if self._travel(counted_from(self.start, x, z, heading)):
             return True
         self._travel(before)
         return False
@@ -355,12 +265,6 @@ def _check_numbers(*point: float) -> None:
         raise MotionError(f"{point} is no point to drive to: x, z and heading are numbers; the robot was not moved")
 
 
-def ahead(here: Plan, metres: float, direction: float) -> Plan:
-    """The point so far away in a direction relative to the heading, in degrees clockwise; the heading stays."""
-    angle = math.radians(here.heading + direction)
-    return Plan(here.x + metres * math.sin(angle), here.z + metres * math.cos(angle), here.heading)
-
-
 def driving(heading: float, way: float) -> float:
     """The heading at which a base that has one drives along a way, in degrees: backwards if that lies behind."""
     return way + 180.0 if _lies_behind(heading, way) else way
@@ -368,24 +272,3 @@ def driving(heading: float, way: float) -> float:
 
 def _lies_behind(heading: float, way: float) -> bool:
     return abs(signed_angle(way - heading)) > 180 - ASIDE
-
-
-def seen_from(start: Plan, x: float, z: float, heading: float) -> Plan:
-    """The point so far to the right and ahead of a start, in the frame of the start."""
-    angle = math.radians(start.heading)
-    return Plan(
-        start.x + x * math.cos(angle) + z * math.sin(angle),
-        start.z - x * math.sin(angle) + z * math.cos(angle),
-        start.heading + heading,
-    )
-
-
-def _towards(at: Odometry, place: Plan, metres: float, heading: float) -> Plan:
-    """The point so far from where the base is towards a place."""
-    share = metres / max(metres, math.hypot(place.x - at.x, place.z - at.z))
-    return Plan(at.x + share * (place.x - at.x), at.z + share * (place.z - at.z), heading)
-
-
-def signed_angle(degrees: float) -> float:
-    """The same angle in -180..180."""
-    return (degrees + 180.0) % 360.0 - 180.0

@@ -15,7 +15,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from active_perceiver.errors import UserError
 from active_perceiver.files import replacing
-from active_perceiver.robots.motion import Limits, MotionError
+from active_perceiver.robots.base import Limits, MotionError
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action
 
 PRESETS = Path(__file__).parent / "presets"

@@ -18,10 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import Self
 
-from active_perceiver.robots.motion import Driver, Odometry, signed_angle
+from active_perceiver.robots.base import Odometry
+from active_perceiver.robots.motion import Driver
 from active_perceiver.robots.ros_link import ConnectionLost, Link, RosError
 from active_perceiver.robots.ros_settings import RosSettings
 from active_perceiver.scenes import Action
+from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.lattice import LOOK
 
 # So often zero velocity is published to stop, with a pause in seconds: one message may get lost.

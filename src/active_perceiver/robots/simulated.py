@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from typing_extensions import Self
 
 from active_perceiver.errors import UserError
+from active_perceiver.robots.base import Limits
 from active_perceiver.robots.body import Body, Slip
-from active_perceiver.robots.motion import Driver, Limits
+from active_perceiver.robots.motion import Driver
 from active_perceiver.robots.ros_settings import ACTIONS, Joint, RosSettings
 from active_perceiver.robots.simulated_bridge import SimulatedBridge
 from active_perceiver.rooms.capturing.capture import HEADINGS

@@ -19,7 +19,7 @@ from active_perceiver.progress import Report, quiet
 from active_perceiver.recognition.metrics import box_iou
 from active_perceiver.robots import search
 from active_perceiver.robots.body import Slip
-from active_perceiver.robots.motion import Plan, seen_from, signed_angle
+from active_perceiver.robots.plan import Plan, counted_from
 from active_perceiver.robots.simulated import (
     WEBCAM,
     LiveRoom,
@@ -30,6 +30,7 @@ from active_perceiver.robots.simulated import (
     random_start,
 )
 from active_perceiver.scenes import Scene, decode_image, open_scene
+from active_perceiver.scenes.angles import signed_angle
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,6 @@ def _astray(lattice: Pose, robot: SimulatedRobot) -> tuple[float, float]:
     """How far, in metres and degrees, a robot is from where its actions would have led on the lattice."""
     planned = robot.driver.plan or Plan(0.0, 0.0, 0.0)
     x, z, heading, _ = lattice
-    meant = seen_from(Plan(x, z, heading), planned.x, planned.z, planned.heading)
+    meant = counted_from(Plan(x, z, heading), planned.x, planned.z, planned.heading)
     body = robot.body
     return math.hypot(body.x - meant.x, body.z - meant.z), abs(signed_angle(body.heading - meant.heading))
