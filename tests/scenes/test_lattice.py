@@ -15,6 +15,7 @@ from active_perceiver.scenes.lattice import (
     islands,
     lattice_poses,
     lattice_transitions,
+    nearest_tilt,
     shortest_path,
     steps_from,
     steps_to_goal,
@@ -124,6 +125,11 @@ def test_goal_states_are_those_as_large_as_the_nth_largest(areas, rank):
     ranked = sorted(column[:, 0], reverse=True)
     threshold = ranked[min(rank, len(ranked)) - 1]
     assert goals.tolist() == [bool(a >= threshold and a > 0) for a in column[:, 0]]
+
+
+@pytest.mark.parametrize(("tilt", "number"), [(-90, 0), (-16, 0), (-15, 0), (-14, 1), (14.0, 1), (40, 2)])
+def test_the_nearest_tilt_of_a_lattice(tilt, number):
+    assert nearest_tilt((-30.0, 0.0, 30.0), tilt) == number
 
 
 def test_rank_must_be_positive():

@@ -27,6 +27,7 @@ from active_perceiver.robots.motion import driving
 from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.importers.pose_table import PoseTable, write_poses
+from active_perceiver.scenes.lattice import nearest_tilt
 
 FORMAT = "active-perceiver-capture"
 SIGN, POSES = "capture.json", "poses.csv"
@@ -266,7 +267,7 @@ def _check_foreign(folder: Path, table: PoseTable) -> None:
 def _tilts_of(robot: Wanderer, table: PoseTable) -> NDArray[np.float64]:
     """The robot's tilt for each pose."""
     wanted = table.poses[:, 3]
-    nearest = np.array(robot.tilts)[np.abs(wanted[:, None] - np.array(robot.tilts)).argmin(axis=1)]
+    nearest = np.array([robot.tilts[nearest_tilt(robot.tilts, tilt)] for tilt in wanted])
     off = np.abs(nearest - wanted)
     if off.max() > TILT_OFF:
         worst = int(off.argmax())

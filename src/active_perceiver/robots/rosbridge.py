@@ -24,7 +24,7 @@ from active_perceiver.robots.ros_link import ConnectionLost, Link, RosError
 from active_perceiver.robots.ros_settings import RosSettings
 from active_perceiver.scenes import Action
 from active_perceiver.scenes.angles import signed_angle
-from active_perceiver.scenes.lattice import LOOK
+from active_perceiver.scenes.lattice import LOOK, nearest_tilt
 
 # So often zero velocity is published to stop, with a pause in seconds: one message may get lost.
 STOPS, BETWEEN_STOPS = 3, 0.03
@@ -132,7 +132,7 @@ class RosRobot:
         self._link = Link(url, settings)
         self._base = RosBase(self._link, settings)
         self._driver = Driver(self._base, settings.limits, settings.step, settings.turn)
-        self._tilt = int(np.abs(settings.tilts).argmin())
+        self._tilt = nearest_tilt(settings.tilts, 0.0)
         self._still = -math.inf
         atexit.register(self.stop)
         try:
@@ -289,7 +289,7 @@ class RosRobot:
     def _travel_to(self, x: float, z: float, heading: float, tilt: float) -> bool:
         if not self._driver.travel_to(x, z, heading):
             return False
-        wanted = int(np.abs(np.array(self.tilts) - tilt).argmin())
+        wanted = nearest_tilt(self.tilts, tilt)
         return wanted == self._tilt or self._tilt_by(wanted - self._tilt)
 
     def _tilt_by(self, steps: int) -> bool:

@@ -23,7 +23,7 @@ from active_perceiver.robots.simulated_bridge import SimulatedBridge
 from active_perceiver.rooms.capturing.capture import HEADINGS
 from active_perceiver.rooms.live_room import WEBCAM, LiveRoom, open_room, scene_of
 from active_perceiver.scenes import Action
-from active_perceiver.scenes.lattice import LOOK, lattice_poses
+from active_perceiver.scenes.lattice import LOOK, lattice_poses, nearest_tilt
 
 __all__ = [
     "WEBCAM", "LiveRoom", "Pose", "SimulatedRobot", "bridge_in", "fitted_settings", "lattice_start", "nearest_pose",
@@ -77,8 +77,8 @@ class SimulatedRobot:
         self._looks = 0
         self._actions = actions or room.settings.actions
         self._tilts = room.settings.tilts
-        nearest = int(np.abs(np.array(self._tilts) - tilt).argmin())
-        self._level, self._tilt_off = nearest, tilt - self._tilts[nearest]
+        self._level = nearest_tilt(self._tilts, tilt)
+        self._tilt_off = tilt - self._tilts[self._level]
 
     @property
     def actions(self) -> tuple[Action, ...]:
@@ -128,7 +128,7 @@ class SimulatedRobot:
         """
         if not self.driver.travel_to(x, z, heading):
             return False
-        self._level, self._tilt_off = int(np.abs(np.array(self._tilts) - tilt).argmin()), 0.0
+        self._level, self._tilt_off = nearest_tilt(self._tilts, tilt), 0.0
         return True
 
     def stop(self) -> None:
@@ -181,9 +181,9 @@ def lattice_start(room: LiveRoom, state: int) -> Pose:
 def nearest_pose(room: LiveRoom, pose: Pose) -> Pose:
     """The pose of the lattice that is nearest to another one, place, heading and tilt each on their own."""
     x, z, heading, tilt = pose
-    places, tilts = room.places(), np.array(room.settings.tilts)
+    places, tilts = room.places(), room.settings.tilts
     near_x, near_z = places[np.hypot(*(places - (x, z)).T).argmin()]
-    return float(near_x), float(near_z), round(heading / 90) % 4 * 90.0, float(tilts[np.abs(tilts - tilt).argmin()])
+    return float(near_x), float(near_z), round(heading / 90) % 4 * 90.0, float(tilts[nearest_tilt(tilts, tilt)])
 
 
 def fitted_settings(room: LiveRoom, settings: RosSettings) -> RosSettings:

@@ -68,6 +68,11 @@ def lattice_poses(
     return np.hstack([place, np.tile(view, (len(positions), 1))]).astype(np.float32)
 
 
+def nearest_tilt(tilts: Sequence[float], tilt: float) -> int:
+    """The number of the one of a lattice's tilts that is nearest to another, in degrees; of two such, the first."""
+    return int(np.abs(np.asarray(tilts) - tilt).argmin())
+
+
 def lattice_transitions(poses: NDArray[np.floating], actions: Sequence[Action], step: float) -> NDArray[np.int32]:
     """The next state for each state and action; a move to where there is no pose leaves the state as it is.
 
