@@ -14,14 +14,13 @@ import os
 import re
 import sys
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import Self
 
 from active_perceiver.errors import UserError
+from active_perceiver.robots.robot import Leavable, check_action
 from active_perceiver.scenes import EIGHT_ACTIONS, Action, Scene
 from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.lattice import LOOK, MOVE_DIRECTION, TURN, lattice_poses
@@ -248,7 +247,7 @@ def teleport(controller: Controller, pose: ThorPose, height: float) -> Any | Non
     return event if is_there and turned <= DEGREES_OFF and abs(there[3] - tilt) <= DEGREES_OFF else None
 
 
-class ThorRobot:
+class ThorRobot(Leavable):
     """The agent of an AI2-THOR room; leaving it as a context manager ends the simulator.
 
     Args:
@@ -313,8 +312,7 @@ class ThorRobot:
         Raises:
             ThorError: if the robot may not do this, or the simulator crashed.
         """
-        if action not in self._actions:
-            raise ThorError(f"this robot has no action {action.value}; it has {[one.value for one in self._actions]}")
+        check_action(action, self._actions, ThorError)
         _, _, heading, tilt = self.pose()
         if action in MOVE_DIRECTION:
             diagonal = round(heading / 45) % 2 == 1
@@ -333,10 +331,6 @@ class ThorRobot:
     def stop(self) -> None:
         """Nothing moves between two actions."""
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
+        """End the simulator."""
         self.controller.stop()

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
+from active_perceiver.robots.robot import Leavable, check_action
 from active_perceiver.scenes import Action, Scene
 
-if TYPE_CHECKING:
-    from typing_extensions import Self
 
-
-class RecordedRobot:
+class RecordedRobot(Leavable):
     """Walks a scene state by state, as in the paper's simulation (section IV-A).
 
     Attributes:
@@ -59,9 +54,7 @@ class RecordedRobot:
         Raises:
             UserError: if the scene does not know the action.
         """
-        if action not in self.actions:
-            known = ", ".join(known.value for known in self.actions)
-            raise UserError(f"scene '{self.scene.name}' has no action {action.value}; it has {known}")
+        check_action(action, self.actions)
         before = self.state
         self.state = int(self.scene.transitions[before, self.actions.index(action)])
         return self.state != before
@@ -73,11 +66,3 @@ class RecordedRobot:
 
     def stop(self) -> None:
         """Nothing moves in a recording."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.stop()

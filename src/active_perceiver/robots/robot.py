@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.errors import UserError
 from active_perceiver.scenes import Action
 
 if TYPE_CHECKING:
@@ -48,6 +50,36 @@ class Robot(Protocol):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
+
+
+class Leavable:
+    """A robot's `with` block: leaving it, for whatever reason, closes the robot, which at the least stops it."""
+
+    def stop(self) -> None:
+        """See `Robot.stop`."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """End what the robot needs only while it is used; nothing but its motion, if not said otherwise."""
+        self.stop()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def check_action(action: Action, actions: Sequence[Action], kind: type[UserError] = UserError) -> None:
+    """Refuse what a robot may not do.
+
+    Raises:
+        UserError: of this kind, if the action is not one of the robot's.
+    """
+    if action not in actions:
+        raise kind(f"this robot has no action {action.value}; it has {', '.join(known.value for known in actions)}")
 
 
 @runtime_checkable

@@ -12,14 +12,13 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import Self
 
 from active_perceiver.robots.base import Odometry
 from active_perceiver.robots.motion import Driver
+from active_perceiver.robots.robot import Leavable, check_action
 from active_perceiver.robots.ros_link import ConnectionLost, Link, RosError
 from active_perceiver.robots.ros_settings import RosSettings
 from active_perceiver.scenes import Action
@@ -111,7 +110,7 @@ class RosBase:
             raise ConnectionLost(f"nothing was heard from {self._link.url} for {silent:.1f} s")
 
 
-class RosRobot:
+class RosRobot(Leavable):
     """A robot behind rosbridge; to be used as a context manager.
 
     A connection that is lost is made again as the settings say, and the action that was interrupted is carried out
@@ -174,9 +173,7 @@ class RosRobot:
             MotionError: if the motion exceeds a limit.
             RosError: if the robot has no such action, images are too old, or the connection is lost for good.
         """
-        if action not in self.actions:
-            known = ", ".join(one.value for one in self.actions)
-            raise RosError(f"this robot has no action {action.value}; its settings say {known}")
+        check_action(action, self.actions, RosError)
         moved = self._insist(lambda: self._carry_out(action))
         if moved is None:
             LOG.warning("the odometry began anew; the robot goes on from where it stands")
@@ -251,14 +248,6 @@ class RosRobot:
         self.stop()
         self._link.close()
         atexit.unregister(self.stop)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def _insist(self, motion: Callable[[], bool]) -> bool | None:
         """Carry out a motion, again if the connection was lost; None if the odometry did not go on where it was."""

@@ -8,16 +8,15 @@ is the body's own: the search goes on as fast as pictures can be rendered.
 from __future__ import annotations
 
 from dataclasses import replace
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import Self
 
 from active_perceiver.errors import UserError
 from active_perceiver.robots.base import Limits
 from active_perceiver.robots.body import Body, Slip
 from active_perceiver.robots.motion import Driver
+from active_perceiver.robots.robot import Leavable, check_action
 from active_perceiver.robots.ros_settings import ACTIONS, Joint, RosSettings
 from active_perceiver.robots.simulated_bridge import SimulatedBridge
 from active_perceiver.rooms.capturing.capture import HEADINGS
@@ -41,7 +40,7 @@ PATIENCE, SOON = 10.0, 2.0
 Pose = tuple[float, float, float, float]
 
 
-class SimulatedRobot:
+class SimulatedRobot(Leavable):
     """A robot in a room that is rendered as it looks.
 
     Args:
@@ -105,8 +104,7 @@ class SimulatedRobot:
             UserError: if the robot may not do this.
             MotionError: if the motion exceeded a limit; the robot was stopped.
         """
-        if action not in self._actions:
-            raise UserError(f"this robot has no action {action.value}; it has {[one.value for one in self._actions]}")
+        check_action(action, self._actions)
         if action not in LOOK:
             return self.driver.do(action)
         level = self._level + LOOK[action]
@@ -134,14 +132,6 @@ class SimulatedRobot:
     def stop(self) -> None:
         """Stand still."""
         self.body.drive(0.0, 0.0)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.stop()
 
 
 def random_start(room: LiveRoom, rng: np.random.Generator, centimetres: float = 10.0, degrees: float = 8.0) -> Pose:
