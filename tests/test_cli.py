@@ -19,6 +19,8 @@ COMMANDS = [
     [], ["demo"], ["train"], ["evaluate"], ["search"], ["report"], ["info"], ["scenes"], ["scenes", "list"],
     ["scenes", "info"], ["scenes", "check"], ["scenes", "render"], ["scenes", "label"],
     ["scenes", "capture", "robot"], ["scenes", "capture", "grid"], ["bridge"],
+    *(["benchmark", name] for name in ("render", "env", "act", "export", "robustness", "robot", "train", "scale",
+                                       "policies", "recogniser")),
 ]  # fmt: skip
 
 

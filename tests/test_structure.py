@@ -42,8 +42,12 @@ ALLOWED = {
     "cli_capture": {"capturing", "cli_help", "experiments", "robots", "rooms", "scenes"},
     "cli_scenes": {"cli_capture", "cli_help", "cli_import", "cli_label", "experiments", "rooms", "scenes"},
     "cli_bridge": {"cli_help", "robots"},
-    "cli_benchmarks": {"cli_scenes", "experiments", "rooms"},
-    "cli": {"cli_benchmarks", "cli_bridge", "cli_scenes", "experiments", "rooms", "scenes", "vision"},
+    "cli_benchmarks_agents": {"cli_help", "cli_outputs", "experiments", "rooms"},
+    "cli_benchmarks_training": {"cli_help", "cli_outputs", "experiments"},
+    "cli_benchmarks": {
+        "cli_benchmarks_agents", "cli_benchmarks_training", "cli_help", "cli_outputs", "experiments", "rooms",
+    },
+    "cli": {"cli_benchmarks", "cli_bridge", "cli_help", "cli_scenes", "experiments", "rooms", "scenes", "vision"},
     "__main__": {"cli"},
 }  # fmt: skip
 

@@ -20,7 +20,8 @@ from tyro.conf import Positional, subcommand
 
 from active_perceiver.cli_benchmarks import Benchmark
 from active_perceiver.cli_bridge import BridgeCommand
-from active_perceiver.cli_scenes import Scenes, help_text
+from active_perceiver.cli_help import help_text
+from active_perceiver.cli_scenes import Scenes
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.reproduction.settings import Experiment, ReproduceSettings
 from active_perceiver.experiments.settings import EvaluateSettings, TrainSettings
