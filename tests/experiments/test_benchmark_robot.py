@@ -8,12 +8,14 @@ import pytest
 
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.benchmarks import robot as benchmark
-from active_perceiver.experiments.benchmarks.robot_process import _astray
+from active_perceiver.experiments.benchmarks.robot_process import Conditions, _astray, searches, targets_in
 from active_perceiver.experiments.benchmarks.robot_report import format_robot
 from active_perceiver.experiments.benchmarks.settings import RobotBenchmarkSettings
 from active_perceiver.files import OutputExistsError
+from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.robots.body import Slip
 from active_perceiver.robots.simulated import nearest_pose
+from active_perceiver.rooms.layouts import LayoutError
 from active_perceiver.scenes import Action
 from simulated_place import simulated, small_room
 
@@ -83,6 +85,20 @@ def test_the_nearest_pose_is_one_of_the_lattice():
 def test_an_agent_of_another_room_is_refused(agent_folder: Path):
     with pytest.raises(UserError, match="was not trained in kitchen_1, but in toy_0"):
         benchmark.robot_command([agent_folder], RobotBenchmarkSettings(room="kitchen_1", starts=1, compared=1))
+
+
+@pytest.mark.xdist_group("agent")
+def test_what_is_wrong_with_a_room_is_said_by_the_process_that_opens_it(agent_folder: Path):
+    nowhere = Conditions(0.0, 0.0, slip=False, nudge=0.0)
+    with pytest.raises(LayoutError, match="no hour of the day 'never'"):
+        searches(agent_folder, "kitchen_1_hour_never", nowhere, 1, RobotBenchmarkSettings(workers=1))
+
+
+@pytest.mark.xdist_group("agent")
+def test_an_agent_has_its_own_targets_in_each_room(agent_folder: Path):
+    agent = ActivePerceiver.from_pretrained(agent_folder)
+    assert targets_in(agent, "toy_0") == [target.name for target in agent.config.targets]
+    assert targets_in(agent, "kitchen_1") == []
 
 
 def test_nothing_is_overwritten_and_nonsense_is_refused(tmp_path: Path):

@@ -135,6 +135,11 @@ def test_search_goes_where_the_picture_was_taken(folder, scene, scene_file, tmp_
     assert all(step["box"] is None for step in steps)
 
 
+def test_the_benchmark_of_robots_refuses_it(folder, capsys):
+    assert main(["benchmark", "robot", str(folder), "--room", "kitchen_1"]) == 2
+    assert "searches for views; this benchmark is of searches" in " ".join(capsys.readouterr().err.split())
+
+
 def test_search_gives_up_on_a_picture_of_another_place(folder, scene_file, tmp_path, capsys):
     Image.fromarray(toy_scene(9, side=1).view(0)).save(tmp_path / "elsewhere.png")
     arguments = ["search", str(folder), "--picture", str(tmp_path / "elsewhere.png"), "--max-steps", "5"]

@@ -13,7 +13,7 @@ import numpy as np
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.benchmarks.kept_runs import check_resume, kept_beside
 from active_perceiver.experiments.benchmarks.outputs import check_outputs, write_outputs
-from active_perceiver.experiments.benchmarks.robot_process import Conditions, searches
+from active_perceiver.experiments.benchmarks.robot_process import Conditions, searches, targets_in
 from active_perceiver.experiments.benchmarks.robot_report import format_robot
 from active_perceiver.experiments.benchmarks.settings import RobotBenchmarkSettings
 from active_perceiver.experiments.own_word import TRUE_IOU
@@ -67,11 +67,13 @@ def robot_command(
 
     Raises:
         OutputExistsError: if a file exists and `force` is false.
-        UserError: if an agent was not trained in the room, or a number makes no sense.
+        UserError: if an agent was not trained in the room or for no objects, there is no such room, or a number makes
+            no sense.
     """
     check_outputs(force, out, picture)
     check_resume(resume, out)
     rows = list(_rows(agents, settings))
+    targets = targets_in(ActivePerceiver.from_pretrained(agents[-1], 1), scene_of(settings.room))
     noted = {**asdict(settings), "agents": [_fingerprint(agent) for agent in agents]}
     with kept_beside(out, noted, force=force, resume=resume) as (done, keep):
         results = list(done)
@@ -82,7 +84,7 @@ def robot_command(
             results.append({**_measured(ends), "label": row.label, "agent": _training(row.agent),
                             "conditions": asdict(row.conditions)})  # fmt: skip
             keep(results[-1])
-        body = {"protocol": {**asdict(settings), "true_iou": TRUE_IOU, "targets": _targets(rows[0])}, "rows": results}
+        body = {"protocol": {**asdict(settings), "true_iou": TRUE_IOU, "targets": targets}, "rows": results}
         print(format_robot(body))
         bars = {row["label"]: (row["true_found"], row["false_found"], row["not_found"]) for row in results}
         write_outputs("benchmark robot", body, out, picture, lambda: robustness_figure(bars))
@@ -97,7 +99,10 @@ def _rows(agents: Sequence[Path], settings: RobotBenchmarkSettings) -> Iterator[
         raise UserError("starts, compared, max_steps and workers must be at least 1")
     scene = scene_of(settings.room)
     for agent in agents:
-        if scene not in (known := ActivePerceiver.from_pretrained(agent, 1).config.branches):
+        config = ActivePerceiver.from_pretrained(agent, 1).config
+        if config.task != "object":
+            raise UserError(f"{agent} searches for views; this benchmark is of searches for objects: give another")
+        if scene not in (known := config.branches):
             raise UserError(f"{agent} was not trained in {scene}, but in {', '.join(known)}; give the room of one")
     last = agents[-1]
     everything = Conditions(settings.centimetres, settings.degrees, slip=True, nudge=settings.nudge)
@@ -122,10 +127,6 @@ def trained_on(agent: Path) -> str:
 def _training(agent: Path) -> dict[str, float]:
     training = ActivePerceiver.from_pretrained(agent, 1).config.training
     return {name: float(training.get(name, 0)) for name in ("changed_views", "changed_degrees")}
-
-
-def _targets(row: Row) -> list[str]:
-    return [target.name for target in ActivePerceiver.from_pretrained(row.agent, 1).config.targets]
 
 
 def _fingerprint(agent: Path) -> str:
@@ -157,7 +158,15 @@ def _measured(ends: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def wilson(hits: int, count: int) -> tuple[float, float]:
-    """Wilson's score interval of a share, 95 %; https://doi.org/10.1080/01621459.1927.10502953."""
+    """Wilson's score interval of a share, 95 %; https://doi.org/10.1080/01621459.1927.10502953.
+
+    Args:
+        hits: how many of them.
+        count: of how many, at least 1.
+
+    Returns:
+        Its ends, in 0..1.
+    """
     z = 1.959964
     share, spread = hits / count, z * z / count
     middle = share + spread / 2

@@ -7,6 +7,7 @@ import multiprocessing
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -64,14 +65,24 @@ def searches(
 ) -> list[dict[str, Any]]:
     """Search for each of an agent's targets in turn, from starts that follow from the searches' numbers.
 
+    Args:
+        agent: its folder.
+        room: a name for `open_room`; the agent was trained in its scene.
+        conditions: of all these searches.
+        count: how many.
+        settings: of the benchmark: seed, limit of actions, processes.
+        report: called after every search.
+
     Returns:
         For each search: "target", "found" (its word), "true" (its box is on the target), "actions", "metres_off" and
         "degrees_off" (from where a robot that does not slip would be, had it begun on the lattice), "collisions".
 
+    Raises:
+        UserError: if there is no such room, or no start that the conditions ask for.
     """
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(
-        min(settings.workers, count), context, _open, (agent, room, conditions, settings)
+        min(settings.workers, count), context, _begin, (agent, room, conditions, settings)
     ) as pool:
         ends = []
         for end in pool.map(_search, range(count)):
@@ -91,11 +102,19 @@ class _Lab:
     settings: RobotBenchmarkSettings
 
 
-_lab: _Lab | None = None
+_asked: tuple[Path, str, Conditions, RobotBenchmarkSettings] | None = None
 
 
-def _open(agent: Path, room: str, conditions: Conditions, settings: RobotBenchmarkSettings) -> None:
-    global _lab
+def _begin(*asked: Any) -> None:
+    """Note what a process will do. What it needs is opened by its first search: an error here would have no name."""
+    global _asked
+    _asked = asked
+
+
+@cache
+def _lab() -> _Lab:
+    assert _asked is not None
+    agent, room, conditions, settings = _asked
     perceiver = ActivePerceiver.from_pretrained(agent, 1)
     opened = open_room(
         room.partition("_hour_")[0] if conditions.own_hour else room,
@@ -104,16 +123,16 @@ def _open(agent: Path, room: str, conditions: Conditions, settings: RobotBenchma
         faults=None if conditions.perfect else WEBCAM,
         progress=lambda label: nullcontext(quiet),
     )
-    _lab = _Lab(perceiver, opened, open_scene(opened.name), conditions, settings)
+    return _Lab(perceiver, opened, open_scene(opened.name), conditions, settings)
 
 
 def _search(number: int) -> dict[str, Any]:
-    assert _lab is not None
-    agent, room, conditions, settings = _lab.agent, _lab.room, _lab.conditions, _lab.settings
+    lab = _lab()
+    agent, room, conditions, settings = lab.agent, lab.room, lab.conditions, lab.settings
     rng = np.random.default_rng([settings.seed, number])
-    names = [target.name for target in agent.config.targets if target.scene == room.name]
+    names = targets_in(agent, room.name)
     name = names[number % len(names)]
-    target = _lab.scene.targets[_lab.scene.target_index(name)]
+    target = lab.scene.targets[lab.scene.target_index(name)]
     picture = decode_image(target.pictures[rng.integers(target.trained)])
     start = random_start(room, rng, conditions.centimetres, conditions.degrees)
     slip = Slip() if conditions.slip else Slip(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -133,6 +152,11 @@ def _search(number: int) -> dict[str, Any]:
         "degrees_off": degrees,
         "collisions": robot.body.collisions,
     }
+
+
+def targets_in(agent: ActivePerceiver, scene: str) -> list[str]:
+    """The targets that an agent knows in one of its scenes, by name, in its order."""
+    return [target.name for target in agent.config.targets if target.scene == scene]
 
 
 def _astray(lattice: Pose, robot: SimulatedRobot) -> tuple[float, float]:

@@ -172,7 +172,7 @@ class RobotBenchmarkSettings:
     starts: int = 200
     """Searches of the last agent under all changes together."""
     compared: int = 60
-    """Searches of everything else: of the other agents, under fewer changes, with other ways to search."""
+    """Searches of everything else: of the other agents, and under fewer changes."""
     centimetres: float = 10.0
     """A search begins up to so far beside a place of the lattice, along x and along z."""
     degrees: float = 8.0
