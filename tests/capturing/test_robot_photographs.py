@@ -196,6 +196,9 @@ def test_what_the_robot_cannot_do_is_refused_before_it_moves(tmp_path):
         photograph_places(robot, table_of(tmp_path, TWO), tmp_path / "photos", at="IMG_0009.jpg")
     with pytest.raises(PlacesError, match="places at once are 1 or more"):
         photograph_places(robot, table_of(tmp_path, TWO), tmp_path / "photos", at_once=0)
+    in_centimetres = np.multiply(grid_poses(1, 3, 0.5, 1, (0.0,)), (100, 100, 1, 1))
+    with pytest.raises(PlacesError, match=r"line 3: .* to x 0, z 50 there are no places at most 10 m apart"):
+        photograph_places(robot, table_of(tmp_path, in_centimetres), tmp_path / "photos")
     assert robot.body.time == 0
     assert not (tmp_path / "photos").exists()
 

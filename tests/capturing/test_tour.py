@@ -54,6 +54,12 @@ def test_it_goes_round_what_is_blocked_and_gives_up_what_it_cannot_reach():
     assert tour.way(0, {2, 8}) is None
 
 
+def test_no_way_is_longer_than_a_room():
+    tour = Tour(np.array([[0.0, 0, 0, 0], [9, 0, 0, 0], [18, 0, 0, 0], [28.5, 0, 0, 0]]))
+    assert tour.way(0, {2}) == [1, 2]
+    assert tour.way(0, {3}) is None
+
+
 def test_a_place_that_was_reached_is_not_given_up():
     tour = Tour(GRID)
     tour.reached(1)

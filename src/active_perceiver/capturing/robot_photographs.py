@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.capturing.tour import PlacesError, Tour, seen_from
+from active_perceiver.capturing.tour import LONGEST, PlacesError, Tour, seen_from
 from active_perceiver.files import OutputExistsError, replacing
 from active_perceiver.progress import Report, console, progress_bar
 from active_perceiver.robots import Wanderer
@@ -83,9 +83,12 @@ def photograph_places(
         resume: take those that are missing.
         progress: opens a progress bar.
 
+    Returns:
+        How it went.
+
     Raises:
-        PlacesError: if the robot has not the tilts of the poses, there is no photograph `at`, or one has a name that
-            no file should have.
+        PlacesError: if the robot has not the tilts of the poses, a place is far from all others, there is no
+            photograph `at`, or one has a name that no file should have.
         OutputExistsError: if the folder holds photographs and nothing says what to do with them, or they are others.
         UserError: if the robot cannot go on; it says why.
     """
@@ -95,10 +98,12 @@ def photograph_places(
     if at is not None and at not in table.files:
         raise PlacesError(f"{table.path} has no photograph {at[:80]!r}; name the one at whose pose the robot stands")
     standing = 0 if at is None else table.files.index(at)
-    album = _Album.begin(folder, table, force=force, resume=resume)
     poses = seen_from(table.poses, standing)
     poses[:, 3] = tilts
-    journey = _Journey(robot, Tour(poses), poses, standing)
+    tour = Tour(poses)
+    _check_ways(tour, table, standing)
+    album = _Album.begin(folder, table, force=force, resume=resume)
+    journey = _Journey(robot, tour, poses, standing)
     taken, places = 0, 0
     following: int | None = None
     try:
@@ -277,3 +282,14 @@ def _tilts_of(robot: Wanderer, table: PoseTable) -> NDArray[np.float64]:
             "settings"
         )
     return nearest
+
+
+def _check_ways(tour: Tour, table: PoseTable, standing: int) -> None:
+    """Refuse places to which no robot should be sent, before it moves."""
+    for place, number in zip(*np.unique(tour.place_of, return_index=True), strict=True):
+        if tour.way(int(tour.place_of[standing]), {int(place)}) is None:
+            x, z = table.poses[number, :2]
+            raise PlacesError(
+                f"{table.path}, line {table.lines[number]}: from where the robot stands to x {x:g}, z {z:g} there "
+                f"are no places at most {LONGEST:g} m apart; x and z are metres: correct the table"
+            )

@@ -1,7 +1,7 @@
 """In which order a robot looks from many poses so that it drives and turns little, and round what is in its way.
 
 Ways lead from a place to its neighbours: those with no third place between them, as of a Gabriel graph, which on a
-square grid are the four around it. A way that was found blocked is not tried again.
+square grid are the four around it; none is longer than `LONGEST`. A way that was found blocked is not tried again.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from active_perceiver.scenes.lattice import lattice_poses
 LENGTH_POWER = 3
 # A place is given up when so many ways to it were found blocked.
 TRIES = 2
+# Metres of the longest way: no room has one, but a table in centimetres has.
+LONGEST = 10.0
 
 
 class PlacesError(UserError, ValueError):
@@ -47,10 +49,19 @@ class Tour:
         self.place_of: NDArray[np.int64] = rank[place_of.reshape(-1)]
         self.given_up: set[int] = set()
         self._lengths = neighbours(self.places)
+        self._lengths[self._lengths > LONGEST] = 0.0
         self._failures = np.zeros(len(self.places), int)
 
     def way(self, here: int, wanted: set[int]) -> list[int] | None:
-        """The places to go through from one to the nearest wanted one, which is the last; None if there is no way."""
+        """The places to go through from one to the nearest wanted one, which is the last.
+
+        Args:
+            here: number of the place where the robot is.
+            wanted: numbers of places.
+
+        Returns:
+            Numbers of places, none if one that is wanted is here; None if there is no way to any.
+        """
         targets = sorted(wanted - self.given_up)
         costs, before = dijkstra(
             csr_array(self._lengths**LENGTH_POWER), indices=here, directed=False, return_predecessors=True
