@@ -38,7 +38,7 @@ class Bridge:
     def run(self) -> int:
         import numpy as np
 
-        from active_perceiver.files import OutputExistsError
+        from active_perceiver.files import check_output
         from active_perceiver.robots.ros_settings import load_settings, save_settings
         from active_perceiver.robots.simulated import (
             bridge_in,
@@ -51,8 +51,8 @@ class Bridge:
         if not 0 <= self.port < 65536:
             raise UserError(f"a port is a number in 0..65535, got {self.port}")
         written = self.write_config
-        if written is not None and written.exists() and not self.force:
-            raise OutputExistsError(f"{written} exists; give another name, or --force to replace it")
+        if written is not None:
+            check_output(written, self.force)
         preset = load_settings(self.robot_config)
         room = open_room(self.room, seed=self.seed or 0)
         settings = fitted_settings(room, preset)

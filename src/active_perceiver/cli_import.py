@@ -35,12 +35,11 @@ def write_imported(out: Path, force: bool, make: Callable[[Report], Imported]) -
     Raises:
         OutputExistsError: if the file exists and `force` is false.
     """
-    from active_perceiver.files import OutputExistsError
+    from active_perceiver.files import check_output
     from active_perceiver.progress import progress_bar
     from active_perceiver.scenes import save_scene
 
-    if out.exists() and not force:  # before the work
-        raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
+    check_output(out, force)
     with progress_bar("views") as report:
         imported = make(report)
     save_scene(imported.scene, out, force=force)

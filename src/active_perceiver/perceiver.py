@@ -13,7 +13,7 @@ from active_perceiver.agent_config import AgentConfig, AgentError
 from active_perceiver.checksums import check_files
 from active_perceiver.course import Course
 from active_perceiver.exploring import Explorer, RoomMap, map_file
-from active_perceiver.files import OutputExistsError
+from active_perceiver.files import OutputExistsError, replacing_folder
 from active_perceiver.known_targets import SEEKERS, FoundCriterion, KnownTargets, ObjectSeeker, Seeker
 from active_perceiver.policies.policy import Policy
 from active_perceiver.policies.restless import is_alike, unit_vectors
@@ -48,6 +48,7 @@ class ActivePerceiver:
     Attributes:
         folder: where the agent is kept.
         config: how it is put together.
+        backbone: makes features of images.
         confirm: whether it says found only if the view before, from another pose, nearly showed the target as well.
         explore: whether it looks round the room when the policy leads in circles.
         seeker: how it knows what it searches for.
@@ -113,15 +114,13 @@ class ActivePerceiver:
 
         Raises:
             OutputExistsError: if the folder exists.
+            OutputError: if it cannot be written.
         """
         folder = Path(folder)
         if folder.exists():
             raise OutputExistsError(f"{folder} exists; give another name")
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        partial = folder.with_name(f".{folder.name}.part")
-        shutil.rmtree(partial, ignore_errors=True)
-        shutil.copytree(self.folder, partial)
-        partial.rename(folder)
+        with replacing_folder(folder) as made:
+            shutil.copytree(self.folder, made, dirs_exist_ok=True)
 
     @property
     def actions(self) -> tuple[Action, ...]:

@@ -10,7 +10,7 @@ from typing import Literal
 from active_perceiver import __version__
 from active_perceiver.capturing.thor import PLAN, ThorCapture, capture_thor, client_version
 from active_perceiver.capturing.thor_targets import NoTargetsError
-from active_perceiver.files import OutputExistsError
+from active_perceiver.files import OutputExistsError, check_output
 from active_perceiver.progress import console
 from active_perceiver.robots.ai2thor import Controller, ThorError, ThorSettings, start_controller
 from active_perceiver.rooms.capturing.capture_store import CaptureStore
@@ -61,8 +61,7 @@ def capture_room(
     """
     if out.suffix != ".h5" or out.is_dir():
         raise ThorError(f"{out} is no scene file to write; give an --out that ends in .h5")
-    if out.exists() and not force:
-        raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
+    check_output(out, force)
     noted = {
         "version": __version__, "client": client_version(), "room": room, "settings": asdict(settings),
         "targets": list(types), "actions": [action.value for action in ACTIONS],

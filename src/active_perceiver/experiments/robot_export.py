@@ -15,7 +15,7 @@ from active_perceiver.checksums import write_checksums
 from active_perceiver.errors import UserError
 from active_perceiver.experiments.quantising import quantise_backbone
 from active_perceiver.exploring import map_file
-from active_perceiver.files import OutputExistsError, replacing_folder
+from active_perceiver.files import OutputExistsError, check_output, replacing_folder
 from active_perceiver.known_targets import PICTURES_FILE
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.progress import console
@@ -125,7 +125,7 @@ def export_agent(
         if exported.config.task == "object":
             # They depend on the backbone: what was computed with another one does not fit.
             exported.known.save_pictures()
-        (folder / "README.md").write_text(_readme(exported, out.name, int8))
+        (folder / "README.md").write_text(_readme(exported, out.name, int8), encoding="utf-8")
         write_checksums(folder)
         megabytes = _megabytes(folder)
     return Exported(out, megabytes)
@@ -137,8 +137,7 @@ def _check_output(agent: Path, out: Path, force: bool) -> None:
         return
     if agent.resolve() == out.resolve() or out.resolve() in agent.resolve().parents:
         raise OutputExistsError(f"{out} holds the agent itself; give another folder to export it to")
-    if not force:
-        raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
+    check_output(out, force)
     if not (out / "config.json").is_file() and (not out.is_dir() or any(out.iterdir())):
         raise OutputExistsError(f"{out} is not an agent and will not be replaced; give another folder")
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from active_perceiver.experiments.result import write_result
 from active_perceiver.figures.floor import figure_png
-from active_perceiver.files import OutputExistsError, replacing
+from active_perceiver.files import check_output, replacing
 
 
 def check_outputs(force: bool, *paths: Path | None) -> None:
@@ -20,8 +20,8 @@ def check_outputs(force: bool, *paths: Path | None) -> None:
         OutputExistsError: if one of the files exists and `force` is false.
     """
     for path in paths:
-        if path is not None and path.exists() and not force:
-            raise OutputExistsError(f"{path} exists; give another name, or --force to replace it")
+        if path is not None:
+            check_output(path, force)
 
 
 def write_outputs(
