@@ -98,8 +98,8 @@ class Search:
     """Picture of the object on its own, or of the view if the agent searches for views; any image file."""
     robot: str
     """Where to search: scene:NAME for a bundled scene, scene:FILE for a scene file; thor:FloorPlan1 for a room of
-    AI2-THOR, thor:FILE for one captured with other than the usual settings; ros:ws://HOST:PORT for a robot behind
-    rosbridge."""
+    AI2-THOR, thor:FILE for one captured with other than the usual settings; room:NAME for a simulated TurtleBot in a
+    rendered room; ros:ws://HOST:PORT for a robot behind rosbridge."""
     robot_config: str | None = None
     """What a ros robot is like: turtlebot2, turtlebot3, turtlebot4, or a YAML file."""
     start: int | None = None
@@ -296,7 +296,9 @@ Command = (
                 "Search for what a picture shows; exit code 1 if it was not found.",
                 "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1",
                 "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1 --out run --seed 7",
-                "search kitchen_agent --picture mug.jpg --robot scene:kitchen_1 --record run --max-minutes 5",
+                "search kitchen_agent --picture mug.jpg --robot room:kitchen_1_hour_dusk --record run",
+                "search agent --picture mug.jpg --robot ros:ws://HOST:9090 --robot-config robot.yaml --dry-run",
+                "search agent --picture mug.jpg --robot ros:ws://HOST:9090 --robot-config robot.yaml --record run",
             ),
         ),
     ]

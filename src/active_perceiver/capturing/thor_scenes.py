@@ -97,6 +97,15 @@ def capture_rooms(
 ) -> Iterator[tuple[Path, Captured]]:
     """Capture several rooms, one after the other, into a folder; a type that a room does not have is no error there.
 
+    Args:
+        rooms: AI2-THOR's names of them.
+        folder: for the scene files, each called as its room.
+        settings: see `capture_room`, as for those that follow.
+        types: of the targets.
+        force: replace existing files.
+        resume: leave files that are there as they are, and go on with an interrupted capture.
+        start: starts the simulator.
+
     Yields:
         Each file when it is done and what came of it; None for one that was there, and why for a room with no target.
 

@@ -62,7 +62,14 @@ def search_card(
 def path_png(
     record: SearchRecord, label: str, room: Room | None, goals: NDArray[np.bool_] | None = None
 ) -> bytes | None:
-    """The search's path in the room, with the goal states if they are known; None if no pose is known."""
+    """A picture of the search's path in the room, as PNG; None if no pose is known.
+
+    Args:
+        record: the search.
+        label: name of what was searched.
+        room: for the floor plan; on plain axes if it is not known.
+        goals: (S,) bool, goal states of a room that is known.
+    """
     poses = [glimpse.pose for glimpse in record.glimpses if glimpse.pose is not None]
     if not poses:
         return None

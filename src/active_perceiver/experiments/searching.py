@@ -44,6 +44,24 @@ def search_command(
 ) -> bool:
     """Search, show each step, keep it if a folder for a recording is given, and report it if one for that is.
 
+    Args:
+        agent_folder: of the agent.
+        picture: file that shows what is searched.
+        robot: kind and name, see `robot_at`, as `robot_config` and `start`.
+        robot_config: settings of a ros robot.
+        start: state in which the robot begins.
+        branch: policy branch; that of the scene or room if not given.
+        max_steps: most actions; of a dry run, looks.
+        max_minutes: most minutes.
+        seed: the start and the agent's draws follow from it.
+        threads: of the agent, see `ActivePerceiver.from_pretrained`, as `confirm` and `explore`.
+        confirm: whether two views have to agree for found.
+        explore: whether to look round the room when the policy leads in circles.
+        dry_run: only look and decide.
+        record: folder of the recording.
+        out: folder of the report.
+        force: replace a recording and a report that are there.
+
     Returns:
         Whether the agent says that it found what it searched for.
 

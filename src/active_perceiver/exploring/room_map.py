@@ -43,12 +43,21 @@ class RoomMap:
 
     @classmethod
     def of(cls, scene: Scene, view_features: NDArray[np.floating]) -> RoomMap:
-        """Remember a scene by the (S, D) pooled features of its views."""
+        """Remember a scene.
+
+        Args:
+            scene: with S states.
+            view_features: (S, D) pooled features of its views, of any length.
+        """
         looks = unit_vectors(np.asarray(view_features, np.float32))
         return cls(looks, scene.poses, scene.transitions, scene.fov)
 
     def save(self, path: Path) -> None:
-        """Write it, atomically, with the looks as float16."""
+        """Write it, with the looks as float16, whole or not at all.
+
+        Raises:
+            OutputError: if it cannot be written.
+        """
         path.parent.mkdir(parents=True, exist_ok=True)
         with replacing(path, force=True) as temporary, temporary.open("wb") as file:
             np.savez_compressed(

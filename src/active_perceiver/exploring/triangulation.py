@@ -78,8 +78,8 @@ def rays(poses: NDArray[np.floating], boxes: NDArray[np.floating], fov: float) -
     """In which directions the middles of boxes lie.
 
     Args:
-        poses: (n, 4) of the camera.
-        boxes: (n, 4).
+        poses: (n, 4) of the camera: x, z in metres, heading and tilt in degrees.
+        boxes: (n, 4) centre x, centre y, width, height as fractions of the image.
         fov: degrees.
 
     Returns:
@@ -94,7 +94,13 @@ def rays(poses: NDArray[np.floating], boxes: NDArray[np.floating], fov: float) -
 
 
 def estimates(sightings: Sequence[Sighting], poses: NDArray[np.floating], fov: float) -> list[Estimate]:
-    """All points that sightings agree on, each sighting being counted for one of them; see `estimate`."""
+    """All points that sightings agree on, the one with most votes first; each sighting is counted for one of them.
+
+    Args:
+        sightings: any number.
+        poses: (S, 4) of all states: x, z in metres, heading and tilt in degrees.
+        fov: degrees.
+    """
     left, found = list(sightings), []
     while left:
         found.append(estimate(left, poses, fov))

@@ -98,7 +98,13 @@ class ThorSettings:
 
 
 def captured_source(room: str, settings: ThorSettings, client: str) -> str:
-    """What a captured scene says of where it comes from."""
+    """What a captured scene says of where it comes from; `captured_settings` reads it.
+
+    Args:
+        room: AI2-THOR's name of it.
+        settings: how it was captured.
+        client: version of AI2-THOR's client.
+    """
     return f"AI2-THOR {room}, grid {settings.grid:g} m, client {client}"
 
 

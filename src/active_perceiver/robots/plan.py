@@ -18,13 +18,26 @@ class Plan:
 
 
 def ahead(here: Plan, metres: float, direction: float) -> Plan:
-    """The point so many metres away in a direction, degrees clockwise from the heading, which stays."""
+    """The point on a way that begins here; the heading stays.
+
+    Args:
+        here: where the way begins.
+        metres: its length.
+        direction: degrees clockwise from the heading: 0 ahead, 90 to the right.
+    """
     angle = math.radians(here.heading + direction)
     return Plan(here.x + metres * math.sin(angle), here.z + metres * math.cos(angle), here.heading)
 
 
 def counted_from(start: Plan, x: float, z: float, heading: float) -> Plan:
-    """The point so many metres to the right and ahead of a start, in the frame that the start is given in."""
+    """A point that is known as seen from a start, in the frame that the start is given in.
+
+    Args:
+        start: where x, z and heading are counted from.
+        x: metres to its right.
+        z: metres ahead of it.
+        heading: degrees clockwise from its own.
+    """
     angle = math.radians(start.heading)
     return Plan(
         start.x + x * math.cos(angle) + z * math.sin(angle),
@@ -34,6 +47,13 @@ def counted_from(start: Plan, x: float, z: float, heading: float) -> Plan:
 
 
 def moved_towards(at: Odometry, place: Plan, metres: float, heading: float) -> Plan:
-    """The point so many metres from where the base is towards a place, with a heading; at most the place itself."""
+    """A point on the straight way from where the base is to a place.
+
+    Args:
+        at: where the base is.
+        place: where the way leads.
+        metres: from the base; the place itself, if that is nearer.
+        heading: of the point, degrees.
+    """
     share = metres / max(metres, math.hypot(place.x - at.x, place.z - at.z))
     return Plan(at.x + share * (place.x - at.x), at.z + share * (place.z - at.z), heading)

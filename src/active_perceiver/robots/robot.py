@@ -75,6 +75,11 @@ class Leavable:
 def check_action(action: Action, actions: Sequence[Action], kind: type[UserError] = UserError) -> None:
     """Refuse what a robot may not do.
 
+    Args:
+        action: what it is to do.
+        actions: what it may do.
+        kind: of the error.
+
     Raises:
         UserError: of this kind, if the action is not one of the robot's.
     """

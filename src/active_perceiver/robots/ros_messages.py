@@ -100,13 +100,20 @@ def velocity_of(message: Message) -> tuple[float, float]:
 
 
 def image_message(encoded: bytes, stamp: float) -> Message:
-    """A sensor_msgs/CompressedImage of a JPEG, stamped in seconds."""
+    """A sensor_msgs/CompressedImage of a JPEG; the stamp is in seconds of the robot's clock."""
     header = {"stamp": _stamp(stamp), "frame_id": "camera"}
     return {"header": header, "format": "jpeg", "data": base64.b64encode(encoded).decode()}
 
 
 def odometry_message(x: float, z: float, heading: float, stamp: float) -> Message:
-    """A nav_msgs/Odometry, the reverse of `place_of`, stamped in seconds; its velocities are left out."""
+    """A nav_msgs/Odometry, the reverse of `place_of`; its velocities are left out.
+
+    Args:
+        x: metres to the right of where the odometry began.
+        z: metres ahead of there.
+        heading: degrees clockwise.
+        stamp: seconds of the robot's clock.
+    """
     half = -math.radians(heading) / 2
     orientation = {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
     pose = {"position": {"x": z, "y": -x, "z": 0.0}, "orientation": orientation}

@@ -271,8 +271,14 @@ def load_settings(name: str | Path) -> RosSettings:
 def save_settings(settings: RosSettings, path: Path, *, force: bool = False) -> None:
     """Write settings as YAML that `load_settings` reads.
 
+    Args:
+        settings: all of them are written, also those that are the defaults.
+        path: the file.
+        force: replace an existing file.
+
     Raises:
         OutputExistsError: if the file exists and `force` is false.
+        OutputError: if it cannot be written.
         RosSettingsError: if PyYAML is not there.
     """
     text = _yaml().safe_dump(_plain(settings), sort_keys=False)

@@ -182,6 +182,13 @@ def fitted_settings(room: LiveRoom, settings: RosSettings) -> RosSettings:
     Step, turns, tilts and actions become the room's, and the view is the whole picture. Topics, types and limits
     of speed stay. A robot without a tilt joint gets one if the room's lattice has several tilts. As pictures take a
     while to be rendered, by the same machine, they may be old.
+
+    Args:
+        room: whose lattice.
+        settings: of a real robot.
+
+    Raises:
+        UserError: if no robot behind rosbridge has the actions of the room's agents.
     """
     lattice, camera, limits = room.settings, settings.camera, settings.limits
     names = {actions: name for name, actions in ACTIONS.items()}

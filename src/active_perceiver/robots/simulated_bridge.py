@@ -68,6 +68,9 @@ class SimulatedBridge:
         tilt: degrees, of the camera's joint.
         velocity: the last one that came, metres per second and degrees per second clockwise.
         connections: how many clients have connected so far.
+
+    Raises:
+        RosError: when it is entered, if websockets is not installed or the port cannot be served.
     """
 
     def __init__(self, body: Body, view: View, settings: RosSettings, *, speedup: float = 1.0, port: int = 0) -> None:

@@ -46,14 +46,21 @@ class LiveRoom:
     def look(
         self, pose: Sequence[float], targets: Sequence[str] = (), moment: int = 0
     ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """What the camera sees from a pose, (H, W, 3) uint8, and boxes of targets, (T, 4); see `capture.look`.
+        """What the camera sees from a pose, see `capture.look`.
 
-        At another moment the same camera makes other mistakes.
+        Args:
+            pose: x, z in metres, heading and tilt in degrees.
+            targets: T names of things.
+            moment: at another moment the same camera makes other mistakes.
+
+        Returns:
+            (H, W, 3) uint8 RGB; and (T, 4) float32 boxes of the targets: centre x, centre y, width, height as
+            fractions of the image, NaN where not visible.
         """
         return look(self.baked, self.settings, pose, targets, self.seed + moment)
 
     def free(self, x: float, z: float) -> bool:
-        """Whether the robot's middle may be at a place: nothing is closer than its radius."""
+        """Whether the robot's middle may be at x, z in metres: nothing is closer than its radius."""
         width, depth, _ = self.baked.room.size
         radius = self.settings.robot_radius
         if not (radius <= x <= width - radius and radius <= z <= depth - radius):
@@ -91,7 +98,8 @@ def open_room(
         progress: opens a progress bar.
 
     Raises:
-        LayoutError: if there is no such room.
+        LayoutError: if there is no such room, hour or arrangement.
+        NudgeError: if things cannot be nudged so far.
     """
     layout, seed_of_room, hour, moved = _named(name)
     settings = replace(DEFAULT_SETTINGS.get(layout, CaptureSettings()), faults=faults)

@@ -45,6 +45,13 @@ def exported_command(
 ) -> dict[str, Any]:
     """Measure, print a table, write the result and the picture if they are asked for.
 
+    Args:
+        agent: its folder.
+        settings: what is measured, and how often.
+        out: the JSON file.
+        picture: the PNG file.
+        force: replace existing files.
+
     Returns:
         The body of the result file, see `measure_exported`.
 
