@@ -39,7 +39,7 @@ class Bridge:
         import numpy as np
 
         from active_perceiver.files import check_output
-        from active_perceiver.robots.ros_settings import load_settings, save_settings
+        from active_perceiver.robots.ros_settings_file import load_settings, save_settings
         from active_perceiver.robots.simulated import (
             bridge_in,
             fitted_settings,

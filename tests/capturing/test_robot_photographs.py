@@ -12,7 +12,7 @@ from active_perceiver.cli import main
 from active_perceiver.files import OutputExistsError
 from active_perceiver.robots import RecordedRobot, Wanderer
 from active_perceiver.robots.body import Slip
-from active_perceiver.robots.ros_settings import save_settings
+from active_perceiver.robots.ros_settings_file import save_settings
 from active_perceiver.robots.simulated import SimulatedRobot
 from active_perceiver.scenes.images import decode_image
 from active_perceiver.scenes.importers.photos import PhotoSettings, import_photos

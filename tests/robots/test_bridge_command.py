@@ -14,7 +14,7 @@ import pytest
 from active_perceiver.cli import main
 from active_perceiver.errors import UserError
 from active_perceiver.robots.ros_link import RosError
-from active_perceiver.robots.ros_settings import load_settings, save_settings
+from active_perceiver.robots.ros_settings_file import load_settings, save_settings
 from active_perceiver.robots.rosbridge import RosRobot
 from active_perceiver.robots.simulated import bridge_in, fitted_settings
 from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS

@@ -9,7 +9,8 @@ import pytest
 
 from active_perceiver.robots import Robot
 from active_perceiver.robots.base import Limits
-from active_perceiver.robots.ros_settings import Camera, Connection, RosSettings, load_settings, presets
+from active_perceiver.robots.ros_settings import Camera, Connection, RosSettings
+from active_perceiver.robots.ros_settings_file import load_settings, presets
 from toy import toy_scene
 
 PAGE = Path(__file__).parents[2] / "docs" / "robot.md"

@@ -6,14 +6,8 @@ import pytest
 import yaml
 
 from active_perceiver.files import OutputExistsError
-from active_perceiver.robots.ros_settings import (
-    Joint,
-    RosSettingsError,
-    load_settings,
-    presets,
-    same_type,
-    save_settings,
-)
+from active_perceiver.robots.ros_settings import Joint, RosSettingsError, same_type
+from active_perceiver.robots.ros_settings_file import load_settings, presets, save_settings
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS
 
 SMALLEST = {"camera": {"topic": "/image"}, "velocity": {"topic": "/cmd_vel"}, "odometry": {"topic": "/odom"}}

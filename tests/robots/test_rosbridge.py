@@ -224,6 +224,9 @@ def test_without_its_odometry_a_robot_does_not_know_where_to_go():
         with pytest.raises(RosError, match="put it back to where it began"):
             robot.go_to(0.0, 1.0, 0.0, 0.0)
         assert comes_to_rest(body)
+        stands = body.z
+        assert robot.do(Action.ROTATE_RIGHT)
+        assert (body.x, body.z) == pytest.approx((0, stands), abs=0.15)
 
 
 def test_a_robot_that_does_not_come_back_is_given_up():

@@ -11,7 +11,7 @@ import numpy as np
 from active_perceiver.errors import UserError
 from active_perceiver.robots import RecordedRobot, Robot
 from active_perceiver.robots.ai2thor import ThorRobot, ThorSettings, captured_settings, start_controller
-from active_perceiver.robots.ros_settings import load_settings, presets
+from active_perceiver.robots.ros_settings_file import load_settings, presets
 from active_perceiver.robots.rosbridge import RosRobot
 from active_perceiver.scenes import Action, Scene, bundled_names, open_scene
 

@@ -120,7 +120,7 @@ class RosRobot(Leavable):
 
     Args:
         url: of the bridge, such as ws://192.168.0.5:9090.
-        settings: what the robot is like, see `ros_settings.load_settings`.
+        settings: what the robot is like, see `ros_settings_file.load_settings`.
 
     Raises:
         RosError: if it cannot be reached, or sends no images or odometry.
@@ -196,6 +196,7 @@ class RosRobot(Leavable):
         """
         arrived = self._insist(lambda: self._moved(lambda: self._travel_to(x, z, heading, tilt)))
         if arrived is None:
+            self._driver.plan = None  # whatever it does next, it does not drive to where it was planned to be
             raise RosError(
                 "the odometry began anew, so the robot does not know where it is: put it back to where it began, and "
                 "begin again from there"
