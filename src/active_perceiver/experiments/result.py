@@ -65,17 +65,18 @@ def write_result(path: Path, command: str, body: dict[str, Any]) -> dict[str, An
         "date": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "machine": machine(),
     }
-    result = _plain({**head, **body})
+    result = plain({**head, **body})
     with replacing(path) as temporary:
         temporary.write_text(json.dumps(result, indent=2) + "\n")
     return result
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """A body as a result file holds it, see `write_result`: a table that is made of it says what the file does."""
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float) or hasattr(value, "dtype"):
         number = float(value)
         if not math.isfinite(number):

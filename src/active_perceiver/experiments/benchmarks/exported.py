@@ -26,6 +26,7 @@ from active_perceiver.experiments.benchmarks.clean_environment import (
 from active_perceiver.experiments.benchmarks.exported_report import format_exported
 from active_perceiver.experiments.benchmarks.outputs import check_outputs, write_outputs
 from active_perceiver.experiments.benchmarks.settings import ExportSettings
+from active_perceiver.experiments.result import plain
 from active_perceiver.experiments.robot_export import export_agent
 from active_perceiver.figures.speed import parts_figure
 from active_perceiver.progress import Report, console, progress_bar, quiet
@@ -61,7 +62,7 @@ def exported_command(
             be installed.
     """
     check_outputs(force, out, picture)
-    body = measure_exported(agent, settings)
+    body = plain(measure_exported(agent, settings))
     print(format_exported(body))
     write_outputs("benchmark export", body, out, picture, lambda: parts_figure(_bars(body)))
     return body

@@ -17,6 +17,7 @@ from active_perceiver.experiments.benchmarks.robot_process import Conditions, se
 from active_perceiver.experiments.benchmarks.robot_report import format_robot
 from active_perceiver.experiments.benchmarks.settings import RobotBenchmarkSettings
 from active_perceiver.experiments.own_word import TRUE_IOU
+from active_perceiver.experiments.result import plain
 from active_perceiver.figures.robustness import robustness_figure
 from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.progress import console, progress_bar
@@ -84,7 +85,8 @@ def robot_command(
             results.append({**_measured(ends), "label": row.label, "agent": _training(row.agent),
                             "conditions": asdict(row.conditions)})  # fmt: skip
             keep(results[-1])
-        body = {"protocol": {**asdict(settings), "true_iou": TRUE_IOU, "targets": targets}, "rows": results}
+        protocol = {**asdict(settings), "true_iou": TRUE_IOU, "targets": targets}
+        body = plain({"protocol": protocol, "rows": results})
         print(format_robot(body))
         bars = {row["label"]: (row["true_found"], row["false_found"], row["not_found"]) for row in results}
         write_outputs("benchmark robot", body, out, picture, lambda: robustness_figure(bars))
