@@ -63,8 +63,9 @@ class Limits:
     Attributes:
         speed: metres per second.
         turning: degrees per second.
-        distance: metres, of one motion.
-        seconds: for one motion; when they are over the base is stopped and the motion given up.
+        distance: metres, of one drive.
+        seconds: for one turn or one drive, of which an action has up to three, and as many again where its way is
+            blocked; when they are over the base is stopped and the action given up.
         odometry_age: seconds; with older odometry nothing moves.
         stall: seconds without progress after which the way counts as blocked.
         close: metres; so near is there.
