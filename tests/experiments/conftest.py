@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from active_perceiver.experiments import own_word
 from active_perceiver.experiments.benchmarks.untrained_agent import save_untrained_agent
 from active_perceiver.scenes import Scene
 from active_perceiver.vision import load_backbone
@@ -27,3 +28,9 @@ def ball(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("pictures") / "ball.png"
     Image.fromarray(scene.targets[0].picture(0)).save(path)
     return path
+
+
+@pytest.fixture
+def short_searches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An agent that has hardly been trained finds nothing, and would search to the limit again and again."""
+    monkeypatch.setattr(own_word, "LIMIT", 50)

@@ -50,6 +50,7 @@ def uneven() -> Scene:
 
 
 @pytest.mark.xdist_group("agent")
+@pytest.mark.usefixtures("short_searches")
 def test_an_agent_of_scenes_with_other_numbers_of_pictures(uneven, settings, tmp_path):
     path = tmp_path / "uneven.h5"
     save_scene(uneven, path)

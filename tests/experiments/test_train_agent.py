@@ -94,6 +94,7 @@ def test_the_same_scene_twice_is_refused(settings, tmp_path):
         training.train_agent(twice, tmp_path / "agent")
 
 
+@pytest.mark.usefixtures("short_searches")
 def test_ppo_trains_for_the_paper_s_reward(settings, tmp_path):
     record = dataclasses.replace(
         settings, learner="ppo", reward="record", entropy_weight=0.01, recogniser_steps=5, policy_seconds=2.0
@@ -111,6 +112,7 @@ def elsewhere(tmp_path_factory):
     return path
 
 
+@pytest.mark.usefixtures("short_searches")
 def test_the_recogniser_may_be_trained_elsewhere(settings, scene, elsewhere, tmp_path):
     apart = dataclasses.replace(settings, recogniser_scenes=(str(elsewhere),), recogniser_steps=5, policy_seconds=1.0)
     body = training.train_agent(apart, tmp_path / "agent")
@@ -123,6 +125,7 @@ def test_the_recogniser_may_be_trained_elsewhere(settings, scene, elsewhere, tmp
     assert body["settings"]["recogniser_scenes"] == (str(elsewhere),)
 
 
+@pytest.mark.usefixtures("short_searches")
 def test_a_recogniser_trained_there_and_elsewhere_holds_out_its_own_views(settings, scene, elsewhere, tmp_path):
     both = dataclasses.replace(
         settings, recogniser_scenes=(*settings.scenes, str(elsewhere)), recogniser_steps=2, policy_seconds=1.0

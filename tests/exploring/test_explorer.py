@@ -150,5 +150,6 @@ def test_a_robot_that_says_that_it_did_not_move_is_where_it_was(room, scene):
     explorer.did(action)
     explorer.look(drift(room, np.random.default_rng(1), 7), None, moved=False)
     assert explorer._state == 7
-    assert explorer._transitions[7, action] == 7
+    assert explorer._ways.transitions[7, action] == 7
+    assert room.ways.transitions[7, action] != 7  # other searches know nothing of it
     assert explorer.action() != action

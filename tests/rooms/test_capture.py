@@ -49,6 +49,24 @@ def test_clearance_equals_brute_force() -> None:
     assert clearance(np.zeros((1, 2)), np.zeros((1, 2)), [TABLE - TABLE.mean(0)])[0] == 0
 
 
+@pytest.mark.parametrize("reach", [0.0, 0.2, 0.5])
+def test_what_is_out_of_reach_is_only_left_out(reach: float) -> None:
+    """Together, and with what is far away left out, polygons are as near as one by one, to the last bit."""
+    rng = np.random.default_rng(1)
+    polygons = [TABLE, *(TABLE[::-1] * rng.uniform(0.1, 0.5) + rng.uniform(-3, 3, 2) for _ in range(6))]
+    starts = np.concatenate([rng.uniform(-3, 3, (200, 2)), TABLE])
+    for ends in (starts, starts + rng.normal(0, 0.4, starts.shape)):
+        nearest = np.min([clearance(starts, ends, [polygon]) for polygon in polygons], axis=0)
+        np.testing.assert_array_equal(clearance(starts, ends, polygons), nearest)
+        within = clearance(starts, ends, polygons, reach)
+        np.testing.assert_array_equal(within < reach, nearest < reach)
+        np.testing.assert_array_equal(within[nearest <= reach], nearest[nearest <= reach])
+        assert (within >= nearest).all()
+        assert (nearest > reach).any()
+    assert np.isinf(clearance(starts, starts, [])).all()
+    assert clearance(starts[:0], starts[:0], polygons).shape == (0,)
+
+
 def test_free_positions_keep_their_distance() -> None:
     positions = free_positions(box_room(), spacing=0.3, radius=0.25)
     outline = outline_points(TABLE)

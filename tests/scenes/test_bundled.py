@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from active_perceiver.rooms import make_room
 from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureSettings
 from active_perceiver.rooms.free_space import free_positions
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, bundled_names, open_scene
 from active_perceiver.scenes.bundled import TARGETS_OF_RECORD, scene_path
 from active_perceiver.scenes.checking import scene_problems
 from active_perceiver.scenes.lattice import goal_states, islands, steps_to_goal
+from made_rooms import made_room, together
 
 # Of which room each scene was made.
 ROOMS = {
@@ -25,7 +25,7 @@ ROOMS = {
 PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
 
 
-@pytest.fixture(scope="module", params=ROOMS)
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=together(room[0])) for name, room in ROOMS.items()])
 def bundled(request):
     return open_scene(request.param)
 
@@ -74,7 +74,7 @@ def test_target_pictures_are_split_and_all_different(bundled):
 
 def test_its_places_and_targets_are_those_of_the_room_it_was_rendered_from(bundled):
     layout, seed = ROOMS[bundled.name]
-    room, settings = make_room(layout, seed), DEFAULT_SETTINGS.get(layout, CaptureSettings())
+    room, settings = made_room(layout, seed), DEFAULT_SETTINGS.get(layout, CaptureSettings())
     assert tuple(room.targets) == bundled.target_names
     places = np.unique(bundled.poses[:, :2], axis=0)
     expected = free_positions(room, settings.spacing, settings.robot_radius, settings.places)

@@ -16,7 +16,7 @@ from active_perceiver.exploring.room_map import RoomMap
 from active_perceiver.exploring.triangulation import Estimate, Sighting, estimates, expected_areas
 from active_perceiver.exploring.whereabouts import Whereabouts
 from active_perceiver.recognition.recogniser import Detection
-from active_perceiver.scenes.lattice import UNREACHABLE, steps_from, steps_to_goal
+from active_perceiver.scenes.lattice import UNREACHABLE
 
 HEAD_START = 5
 """Actions added to the way when what is new at its end is weighed against its length."""
@@ -46,7 +46,7 @@ class Explorer:
         self._room = room
         self._enough = enough
         self._threshold = threshold
-        self._transitions = room.transitions.copy()
+        self._ways = room.ways
         self._places = np.unique(room.poses[:, :2].round(2), axis=0, return_inverse=True)[1].ravel()
         self._known = np.zeros(states)  # how alike each state's view is to the most similar one that was looked at
         self._looked = np.zeros(states, bool)
@@ -66,9 +66,9 @@ class Explorer:
             detection: where the target is seen, None if it is not.
             moved: whether the last action moved the robot, if it says so; else the view tells.
         """
-        state = self._whereabouts.look(likeness, self._transitions, self._action, moved)
+        state = self._whereabouts.look(likeness, self._ways.transitions, self._action, moved)
         if self._action is not None and state == self._state and not moved:
-            self._transitions[state, self._action] = state  # blocked, whatever the map says
+            self._ways = self._ways.without(state, self._action)  # blocked, whatever the map says
         self._state, self._action = state, None
         self._known = np.maximum(self._known, likeness)
         self._looked[state] = True
@@ -94,11 +94,11 @@ class Explorer:
         goal = self._place_to_look_at_it()
         if goal is None:
             goal = self._something_new()
-        steps = steps_to_goal(self._transitions, np.arange(len(self._looked)) == goal)
+        steps, leads = self._ways.to(goal), self._ways.transitions[self._state]
         if steps[self._state] == UNREACHABLE:
             self._looked[goal], self._known[goal] = True, 1.0
-            return int((self._transitions[self._state] != self._state).argmax())
-        return int((steps[self._transitions[self._state]] == steps[self._state] - 1).argmax())
+            return int((leads != self._state).argmax())
+        return int((steps[leads] == steps[self._state] - 1).argmax())
 
     def _place_to_look_at_it(self) -> int | None:
         """Where to go because of what was seen; None if that is not convincing, or not yet."""
@@ -123,7 +123,7 @@ class Explorer:
         """The state whose view promises most that is new, for the way there; the same until it was looked at."""
         if self._goal is not None and not self._looked[self._goal]:
             return self._goal
-        steps = steps_from(self._transitions, self._state)
+        steps = self._ways.away(self._state)
         promised = np.where(steps == UNREACHABLE, 0.0, (1.0 - self._known) / (steps + HEAD_START))
         self._goal = int((promised - self._looked).argmax())
         return self._goal

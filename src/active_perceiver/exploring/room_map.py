@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.agent_config import AgentError
+from active_perceiver.exploring.ways import Ways
 from active_perceiver.files import replacing
 from active_perceiver.policies.restless import unit_vectors
 from active_perceiver.scenes import Scene
@@ -51,6 +53,11 @@ class RoomMap:
         """
         looks = unit_vectors(np.asarray(view_features, np.float32))
         return cls(looks, scene.poses, scene.transitions, scene.fov)
+
+    @cached_property
+    def ways(self) -> Ways:
+        """How far it is between its states, shared by all who search here."""
+        return Ways(self.transitions)
 
     def save(self, path: Path) -> None:
         """Write it, with the looks as float16, whole or not at all.

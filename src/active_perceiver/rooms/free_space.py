@@ -51,7 +51,7 @@ def free_positions(
             lattice = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
             if len(lattice) <= len(best):
                 continue
-            free = lattice[clearance(lattice, lattice, polygons) >= radius]
+            free = lattice[clearance(lattice, lattice, polygons, radius) >= radius]
             if len(free) > len(best):
                 free = _largest_island(free, polygons, spacing, radius)
                 best = free if len(free) > len(best) else best
@@ -116,14 +116,17 @@ def without_collisions(
     places = poses[:, :2].astype(np.float64)
     state, action = np.nonzero((places[transitions] != places[:, None]).any(-1))
     ends = transitions[state, action]
-    touches = clearance(places[state], places[ends], polygons) < radius - 1e-6
+    touches = clearance(places[state], places[ends], polygons, radius) < radius - 1e-6
     result = transitions.copy()
     result[state[touches], action[touches]] = state[touches]
     return result
 
 
 def clearance(
-    starts: NDArray[np.float64], ends: NDArray[np.float64], polygons: Sequence[NDArray[np.float64]]
+    starts: NDArray[np.float64],
+    ends: NDArray[np.float64],
+    polygons: Sequence[NDArray[np.float64]],
+    reach: float = np.inf,
 ) -> NDArray[np.float64]:
     """Distance of straight ways from the nearest polygon, (N,) metres; 0 where they touch or enter one.
 
@@ -131,32 +134,66 @@ def clearance(
         starts: (N, 2).
         ends: (N, 2); equal to `starts` for the clearance of points.
         polygons: (K, 2) each, filled, convex or not.
+        reach: metres from which on a distance does not matter; such a one may come out as any that is no smaller,
+            infinity too. In a furnished room most edges are out of reach of most ways, and need not be looked at.
     """
     nearest = np.full(len(starts), np.inf)
-    for polygon in polygons:
-        corners = np.asarray(polygon, np.float64)
-        following = np.roll(corners, -1, axis=0)
-        distance = _segment_distance(starts[:, None], ends[:, None], corners[None], following[None]).min(axis=1)
-        distance[_inside(starts, corners, following)] = 0
-        nearest = np.minimum(nearest, distance)
+    if not len(starts) or not len(polygons):
+        return nearest
+    corners = np.concatenate(polygons).astype(np.float64)
+    following = np.concatenate([np.roll(polygon, -1, axis=0) for polygon in polygons]).astype(np.float64)
+    way, edge = np.nonzero(_boxes_within(reach, starts, ends, corners, following))
+    distance = _segment_distance(starts[way], ends[way], corners[edge], following[edge])
+    np.minimum.at(nearest, way, distance)
+    first_edges = np.cumsum([0, *(len(polygon) for polygon in polygons[:-1])])
+    nearest[_inside(starts, corners, following, first_edges)] = 0
     return nearest
 
 
-def _inside(
-    points: NDArray[np.float64], corners: NDArray[np.float64], following: NDArray[np.float64]
+def _boxes_within(
+    reach: float,
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    c: NDArray[np.float64],
+    d: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
-    """Whether points lie in a polygon (N,): an odd number of its edges lie to their right."""
-    x, y = points[:, None, 0], points[:, None, 1]
-    spans = (corners[:, 1] > y) != (following[:, 1] > y)
-    rise = np.where(spans, following[:, 1] - corners[:, 1], 1.0)
-    crossing = corners[:, 0] + (y - corners[:, 1]) / rise * (following[:, 0] - corners[:, 0])
-    return (spans & (crossing > x)).sum(axis=1) % 2 == 1
+    """Whether the boxes around N segments ab and E segments cd are within reach of each other, (N, E)."""
+    reach = reach + 1e-6  # rounding must not make a distance look longer than it is computed to be
+    low, high = np.minimum(a, b) - reach, np.maximum(a, b) + reach
+    other_low, other_high = np.minimum(c, d), np.maximum(c, d)
+    along_x, along_y = (
+        (low[:, None, axis] <= other_high[:, axis]) & (high[:, None, axis] >= other_low[:, axis]) for axis in (0, 1)
+    )
+    return along_x & along_y
+
+
+def _inside(
+    points: NDArray[np.float64],
+    corners: NDArray[np.float64],
+    following: NDArray[np.float64],
+    first_edges: NDArray[np.int64],
+) -> NDArray[np.bool_]:
+    """Whether points lie in one of some polygons (N,): an odd number of its edges lie to their right.
+
+    Args:
+        points: (N, 2).
+        corners: (E, 2), where the edges of all the polygons start, those of one after those of another.
+        following: (E, 2), where they end.
+        first_edges: number of each polygon's first edge.
+    """
+    x, y = points[:, 0], points[:, 1]
+    spans = (corners[:, 1] > y[:, None]) != (following[:, 1] > y[:, None])
+    point, edge = np.nonzero(spans)
+    start, end = corners[edge], following[edge]
+    crossing = start[:, 0] + (y[point] - start[:, 1]) / (end[:, 1] - start[:, 1]) * (end[:, 0] - start[:, 0])
+    spans[point, edge] = crossing > x[point]
+    return (np.add.reduceat(spans, first_edges, axis=1, dtype=np.int64) % 2 == 1).any(axis=1)
 
 
 def _segment_distance(
     a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Distance between segments ab and cd; the shapes broadcast, the last axis is x, y."""
+    """Distance between segments ab and cd, (N,); each is (N, 2) x, y."""
     ends = np.minimum.reduce(
         [_point_distance(a, c, d), _point_distance(b, c, d), _point_distance(c, a, b), _point_distance(d, a, b)]
     )
@@ -167,10 +204,10 @@ def _segment_distance(
 def _point_distance(
     point: NDArray[np.float64], start: NDArray[np.float64], end: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    along = end - start
+    along, to = end - start, point - start
     length = np.maximum((along**2).sum(-1), 1e-18)
-    share = np.clip(((point - start) * along).sum(-1) / length, 0, 1)
-    return np.sqrt(((point - start - share[..., None] * along) ** 2).sum(-1))
+    share = np.clip((to * along).sum(-1) / length, 0, 1)
+    return np.sqrt(((to - share[..., None] * along) ** 2).sum(-1))
 
 
 def _side(start: NDArray[np.float64], end: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:

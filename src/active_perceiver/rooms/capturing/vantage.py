@@ -87,7 +87,7 @@ def _free_places(
     width, depth, _ = room.size
     inside = ((places >= radius) & (places <= (width - radius, depth - radius))).all(axis=1)
     places = places[inside]
-    return places[clearance(places, places, [polygon for _, polygon in room.obstacles]) >= radius]
+    return places[clearance(places, places, [polygon for _, polygon in room.obstacles], radius) >= radius]
 
 
 def rough_mask(surfaces: Surfaces, pose: NDArray[np.float64], eye: Eye) -> NDArray[np.int32]:
