@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from active_perceiver.exploring import ways as module
 from active_perceiver.exploring.ways import Ways
 from active_perceiver.scenes.lattice import UNREACHABLE, steps_from, steps_to_goal
 
@@ -27,6 +28,15 @@ def test_ways_are_the_shortest_whatever_is_blocked_in_between(seed):
         blocked[state, action] = state
         agree(left, blocked)
     agree(ways, before)
+
+
+def test_no_more_is_remembered_than_there_is_room_for(monkeypatch):
+    monkeypatch.setattr(module, "MOST_REMEMBERED", 100)
+    transitions = np.random.default_rng(4).integers(0, 30, (30, 3)).astype(np.int32)
+    ways = Ways(transitions)
+    agree(ways, transitions)
+    assert 1 <= len(ways._to) <= 3
+    assert 1 <= len(ways._from) <= 3
 
 
 def test_what_is_blocked_already_changes_nothing():

@@ -7,12 +7,15 @@ from numpy.typing import NDArray
 
 from active_perceiver.scenes.lattice import steps_from, steps_to_goal
 
+# At most so many distances are remembered of a kind; beyond, all are forgotten: 64 MB, every pair of 4000 states.
+MOST_REMEMBERED = 2**24
+
 
 class Ways:
     """Where a room's actions lead, and the fewest actions from a state to another one.
 
     Many searches go round the same room, and each asks for the same ways at every action: what was computed is kept,
-    4 bytes for each pair of states that was asked for.
+    up to a limit.
 
     Args:
         transitions: (S, A) the next state; the state's own index where the move is blocked. Not to be changed.
@@ -29,6 +32,7 @@ class Ways:
     def to(self, goal: int) -> NDArray[np.int32]:
         """Fewest actions from each state to one, (S,); `UNREACHABLE` where no way leads. Not to be changed."""
         if goal not in self._to:
+            self._make_room(self._to)
             goals = np.arange(len(self.transitions)) == goal
             self._to[goal] = steps_to_goal(self.transitions, goals).astype(np.int32)
         return self._to[goal]
@@ -36,6 +40,7 @@ class Ways:
     def away(self, start: int) -> NDArray[np.int32]:
         """Fewest actions from one state to each, (S,); `UNREACHABLE` where no way leads. Not to be changed."""
         if start not in self._from:
+            self._make_room(self._from)
             self._from[start] = steps_from(self.transitions, start).astype(np.int32)
         return self._from[start]
 
@@ -46,3 +51,7 @@ class Ways:
         transitions = self.transitions.copy()
         transitions[state, action] = state
         return Ways(transitions)
+
+    def _make_room(self, remembered: dict[int, NDArray[np.int32]]) -> None:
+        if (len(remembered) + 1) * len(self.transitions) > MOST_REMEMBERED:
+            remembered.clear()

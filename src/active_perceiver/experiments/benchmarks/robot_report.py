@@ -12,9 +12,9 @@ def format_robot(body: dict[str, Any]) -> str:
     protocol = body["protocol"]
     lines = [
         f"{protocol['room']}: {', '.join(protocol['targets'])}; at most {protocol['max_steps']} actions",
-        f"{'':40}{'searches':>8}{'by its own word, %':>33}{'true':>8}{'at the end off by':>25}{'bumps':>7}",
+        f"{'':40}{'searches':>8}{'by its own word, %':>33}{'true':>8}{'at the end off by':>28}{'bumps':>7}",
         f"{'what is different':40}{'':>8}{'true (95 % interval)':>21}{'false':>6}{'none':>6}{'actions':>8}"
-        f"{'cm (most)':>12}{'degrees (most)':>16}{'':>4}",
+        f"{'cm (most)':>12}{'degrees (most)':>16}",
     ]
     for row in body["rows"]:
         low, high = row["interval"]
@@ -24,7 +24,7 @@ def format_robot(body: dict[str, Any]) -> str:
             f"{row['label']:40}{row['searches']:>8}{true:>21}{100 * row['false_found']:6.1f}"
             f"{100 * row['not_found']:6.1f}{shown(row['actions'], '.1f'):>8}"
             f"{f'{100 * metres:.0f} ({100 * most_metres:.0f})':>12}{f'{degrees:.0f} ({most_degrees:.0f})':>16}"
-            f"{row['collisions']:4.1f}"
+            f"{row['collisions']:7.1f}"
         )
     lines += [
         f"off the lattice: starts within {protocol['centimetres']:g} cm and {protocol['degrees']:g} degrees of it, "
