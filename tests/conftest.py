@@ -14,9 +14,12 @@ from toy import toy_scene
 hypothesis.settings.register_profile("untimed", deadline=None)
 hypothesis.settings.load_profile("untimed")
 
-# A shell that runs the tests in the background makes them, and the programs that they start, deaf to Ctrl-C.
+# A shell that runs the tests in the background makes them, and the programs that they start, deaf to Ctrl-C; nohup to
+# the end of the terminal. What is handled here, and not ignored, those programs hear.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, lambda *_: None)
 
 
 @pytest.fixture(scope="session")
