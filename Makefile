@@ -9,7 +9,7 @@ READY := $(VENV)/.ready
 
 help:
 	@echo "make demo   train on the bundled kitchen and search it; ends with where to look (about 5 minutes)"
-	@echo "make test   the tests (about 5 minutes)"
+	@echo "make test   the tests (about 8 minutes)"
 	@echo "make lint   ruff and mypy"
 	@echo "make clean  remove .venv, demo/ and caches"
 
