@@ -30,9 +30,9 @@ class TrainSettings:
     changed_views: int = 2
     """How many times the policy (mirror-descent, distil) is shown every view as a worse camera or other light would
     show it; each takes as long as computing the features of the scene."""
-    changed_degrees: float = 10.0
+    changed_degrees: float = 0.0
     """In these changed views the camera also looks up to so many degrees aside and stands a little nearer or farther,
-    as a robot does whose moves are not exact; 0 to 45."""
+    as a robot does whose moves are not exact; 0 to 45. With 10 training takes longer; see docs/benchmarks/robot.md."""
     learner: Literal["mirror-descent", "distil", "ppo", "a3c"] = "mirror-descent"
     """How the policy is learned: from exact advantages, from the shortest paths themselves (distil, which has no
     reward), by proximal policy optimisation from rollouts, or as in the paper by A3C with a process for each scene
