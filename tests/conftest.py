@@ -48,7 +48,7 @@ def scene_file(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def settings(scene_file: Path) -> TrainSettings:
     """A training of seconds; the tests that need its result are in the xdist group "agent", so that it runs once."""
-    return TrainSettings(scenes=(str(scene_file),), recogniser_steps=120, image_size=96)
+    return TrainSettings(scenes=(str(scene_file),), recogniser_steps=120, image_size=96, changed_degrees=10.0)
 
 
 @pytest.fixture(scope="session")

@@ -32,7 +32,7 @@ class TrainSettings:
     show it; each takes as long as computing the features of the scene."""
     changed_degrees: float = 0.0
     """In these changed views the camera also looks up to so many degrees aside and stands a little nearer or farther,
-    as a robot does whose moves are not exact; 0 to 45. With 10 training takes longer; see docs/benchmarks/robot.md."""
+    as a robot does whose moves are not exact; 0 to 45. Training takes longer with it."""
     learner: Literal["mirror-descent", "distil", "ppo", "a3c"] = "mirror-descent"
     """How the policy is learned: from exact advantages, from the shortest paths themselves (distil, which has no
     reward), by proximal policy optimisation from rollouts, or as in the paper by A3C with a process for each scene
