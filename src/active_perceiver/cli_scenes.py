@@ -151,7 +151,7 @@ class ScenesPreview:
 
     def run(self) -> int:
         from active_perceiver.experiments.result import write_result
-        from active_perceiver.files import OutputExistsError, replacing
+        from active_perceiver.files import check_output, replacing
         from active_perceiver.progress import progress_bar
         from active_perceiver.rooms.layouts import LAYOUTS
         from active_perceiver.rooms.preview import look_at_rooms, preview_sheet
@@ -159,8 +159,8 @@ class ScenesPreview:
         if self.count < 1 or not 1 <= self.views <= 4:
             raise UserError(f"--count is at least 1 and --views 1 to 4, got {self.count} and {self.views}")
         for path in (self.picture, self.out):
-            if path is not None and path.exists() and not self.force:
-                raise OutputExistsError(f"{path} exists; give another name, or --force to replace it")
+            if path is not None:
+                check_output(path, self.force)
         seeds = range(self.seed, self.seed + self.count)
         with progress_bar("rooms") as report:
             looks = look_at_rooms(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from active_perceiver.errors import UserError
-from active_perceiver.files import OutputExistsError, replacing
+from active_perceiver.files import check_output, replacing
 from active_perceiver.progress import Report, console, progress_bar
 from active_perceiver.scenes import Scene
 from active_perceiver.scenes.exporters.zhu import FEATURES, ZhuDump, write_zhu, zhu_dump
@@ -48,8 +48,7 @@ def export_zhu(
     """
     if crops not in (1, 10):
         raise UserError(f"a dump has 1 or 10 features per state, got {crops}")
-    if out.exists() and not force:  # before the features take their time
-        raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
+    check_output(out, force)
     dump = zhu_dump(scene)
     with console.status(f"backbone {backbone}"):
         network = load_backbone(backbone, image_size=image_size)

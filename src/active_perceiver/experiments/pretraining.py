@@ -9,7 +9,7 @@ from pathlib import Path
 from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.experiments.stages import features_of, open_backbone, open_scenes
 from active_perceiver.experiments.training import teach
-from active_perceiver.files import OutputExistsError
+from active_perceiver.files import check_output
 from active_perceiver.recognition.export import save_network
 from active_perceiver.recognition.training import CONFIGS
 
@@ -33,8 +33,7 @@ def pretrain(sources: Sequence[str], out: Path, *, steps: int = STEPS, seed: int
         OutputExistsError: if the file exists and `force` is false.
         UserError: if a scene cannot be opened.
     """
-    if out.exists() and not force:
-        raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
+    check_output(out, force)
     scenes = open_scenes(sources)
     backbone = open_backbone(TrainSettings())
     features = [features_of(scene, backbone) for scene in scenes]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from active_perceiver.files import OutputExistsError
+from active_perceiver.files import OutputExistsError, check_output
 from active_perceiver.labelling.journal import journal_path
 from active_perceiver.labelling.view_labels import LabelError
 from active_perceiver.scenes import load_scene, save_scene
@@ -47,5 +47,4 @@ def check_copy(out: Path, *, force: bool) -> None:
         raise OutputExistsError(
             f"{journal_path(out)} keeps changes of {out}: save them with `scenes label {out}`, or delete it"
         )
-    if out.exists() and not force:
-        raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
+    check_output(out, force)

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.files import OutputExistsError
+from active_perceiver.files import OutputExistsError, check_output
 from active_perceiver.progress import progress_bar
 from active_perceiver.rooms.capturing.camera_faults import CameraFaults
 from active_perceiver.rooms.capturing.capture import (
@@ -165,8 +165,7 @@ def take_photographs(
 def _check_folder(folder: Path, force: bool) -> None:
     if not folder.exists():
         return
-    if not force:
-        raise OutputExistsError(f"{folder} exists; give another name, or --force to replace it")
+    check_output(folder, force)
     if folder.is_symlink() or not folder.is_dir() or not _all_written_here(folder):
         raise OutputExistsError(f"{folder} holds other things than {_SIGN}; give another name")
 

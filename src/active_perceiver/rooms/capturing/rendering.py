@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from active_perceiver import __version__
-from active_perceiver.files import OutputExistsError
+from active_perceiver.files import OutputExistsError, check_output
 from active_perceiver.progress import Report, console, progress_bar
 from active_perceiver.rooms.capturing.capture import Stage, capture
 from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureError, CaptureSettings
@@ -205,8 +205,7 @@ def check_output(out: Path, *, force: bool) -> None:
         raise CaptureError(f"{out} does not end in .h5; give a scene file as --out, or --count for a folder of them")
     if out.is_dir():
         raise OutputExistsError(f"{out} is a folder; give another name")
-    if out.exists() and not force:
-        raise OutputExistsError(f"{out} exists; give another name, or --force to replace it")
+    check_output(out, force)
 
 
 def noted_origin(layout: str, seed: int, settings: CaptureSettings, room: Room) -> dict[str, Any]:
