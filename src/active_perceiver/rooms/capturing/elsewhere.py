@@ -20,7 +20,7 @@ from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, 
 from active_perceiver.rooms.capturing.capture_store import CaptureStore
 from active_perceiver.rooms.capturing.kept_work import do_missing, light_arrays, lit_room
 from active_perceiver.rooms.capturing.other_rooms import OtherRoom, plan_rooms, shared_out
-from active_perceiver.rooms.capturing.rendering import check_output, origin_of
+from active_perceiver.rooms.capturing.rendering import check_scene_output, origin_of
 from active_perceiver.rooms.capturing.vantage import Eye, poses_towards
 from active_perceiver.rooms.engine.compiled import compile_room
 from active_perceiver.rooms.engine.lighting import BakedRoom, bake
@@ -109,7 +109,7 @@ def render_elsewhere(
         SceneError: if the scene has no target of one of the names.
         OutputExistsError: if the file, or interrupted work on it, exists and nothing says what to do with it.
     """
-    check_output(out, force=force)
+    check_scene_output(out, force=force)
     layout, seed = origin_of(scene)
     if pictures < 1 or rooms < 1:
         raise CaptureError(f"there must be at least 1 picture and 1 room, got {pictures} and {rooms}")

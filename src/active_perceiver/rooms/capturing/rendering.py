@@ -118,7 +118,7 @@ def render_scene(
         OutputExistsError: if the file, or an interrupted rendering of it, exists and nothing says what to do with it.
         CaptureError: if the interrupted rendering was begun with other settings.
     """
-    check_output(out, force=force)
+    check_scene_output(out, force=force)
     settings = settings or DEFAULT_SETTINGS.get(layout, CaptureSettings())
     timing = Timing(workers if workers is not None else (os.cpu_count() or 1))
     with timing.stage("room"):
@@ -199,7 +199,7 @@ def origin_of(scene: Scene) -> tuple[str, int]:
     return found[1], int(found[2])
 
 
-def check_output(out: Path, *, force: bool) -> None:
+def check_scene_output(out: Path, *, force: bool) -> None:
     """Better now than after minutes of rendering."""
     if out.suffix != ".h5":
         raise CaptureError(f"{out} does not end in .h5; give a scene file as --out, or --count for a folder of them")
