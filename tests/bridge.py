@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 from active_perceiver.robots.base import Limits
-from active_perceiver.robots.body import Body, Slip
+from active_perceiver.robots.body import NO_SLIP, Body
 from active_perceiver.robots.ros_settings import Camera, Connection, Joint, RosSettings, Velocity, Wheels
 from active_perceiver.robots.simulated_bridge import SimulatedBridge
 
@@ -42,9 +42,6 @@ def view(x, z, heading, tilt):
     """Heading in red, tilt in green, z in blue; wider than high."""
     colour = (round(heading * 255 / 360) % 256, round(tilt + 128), round(100 + 50 * z))
     return np.full((32, 48, 3), np.clip(colour, 0, 255), np.uint8)
-
-
-NO_SLIP = Slip(0, 0, 0, 0, 0)
 
 
 def anywhere(x, z):

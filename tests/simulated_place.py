@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from active_perceiver.robots.body import Slip
+from active_perceiver.robots.body import NO_SLIP
 from active_perceiver.robots.simulated import SimulatedRobot
 from active_perceiver.rooms.capturing.capture_settings import CaptureSettings
 from active_perceiver.rooms.engine.lighting import bake
@@ -15,7 +15,6 @@ SETTINGS = CaptureSettings(
 )
 # In the middle of a free stretch, looking along z.
 START = (2.3, 1.5, 0.0, 0.0)
-NO_SLIP = Slip(0, 0, 0, 0, 0)
 
 
 @cache

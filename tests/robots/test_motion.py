@@ -7,13 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from active_perceiver.robots.base import Limits, MotionError, Odometry
-from active_perceiver.robots.body import Body, BodyError, Slip
+from active_perceiver.robots.body import NO_SLIP, Body, BodyError, Slip
 from active_perceiver.robots.motion import Driver
 from active_perceiver.robots.plan import Plan
 from active_perceiver.scenes import TURTLEBOT_ACTIONS, Action
 from active_perceiver.scenes.lattice import MOVE_DIRECTION, TURN
+from bridge import anywhere
 
-NO_SLIP = Slip(0, 0, 0, 0, 0)
 MOVES_AND_TURNS = [action for action in Action if action in MOVE_DIRECTION or action in TURN]
 
 
@@ -38,10 +38,6 @@ class SimulatedBase:
 
     def wait(self, seconds):
         self.body.wait(seconds)
-
-
-def anywhere(x, z):
-    return True
 
 
 def base_in(free=anywhere, slip=NO_SLIP, seed=0, **kwargs):

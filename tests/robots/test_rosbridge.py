@@ -16,11 +16,11 @@ from active_perceiver.errors import UserError
 from active_perceiver.experiments.robot_places import robot_at
 from active_perceiver.robots import Robot, Wanderer, simulated_bridge
 from active_perceiver.robots.base import MotionError, Odometry
-from active_perceiver.robots.body import Body
+from active_perceiver.robots.body import NO_SLIP, Body
 from active_perceiver.robots.ros_link import ConnectionLost, RosError
 from active_perceiver.robots.rosbridge import RosRobot
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action
-from bridge import LONG, NO_SLIP, SETTINGS, Tripwire, comes_to_rest, served, view, with_
+from bridge import LONG, SETTINGS, Tripwire, comes_to_rest, served, view, with_
 from toy import toy_scene
 
 PATIENT = with_(LONG, connection={"attempts": 20})

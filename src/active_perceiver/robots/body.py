@@ -56,6 +56,10 @@ class Slip:
                 raise BodyError(f"slip's {field.name} must be in 0..20, got {value}")
 
 
+NO_SLIP = Slip(0.0, 0.0, 0.0, 0.0, 0.0)
+"""Wheels that do what they say, and odometry that is right."""
+
+
 class Body:
     """A round body on a floor; the state of a simulation.
 

@@ -19,7 +19,7 @@ from active_perceiver.perceiver import ActivePerceiver
 from active_perceiver.progress import Report, quiet
 from active_perceiver.recognition.metrics import box_iou
 from active_perceiver.robots import search
-from active_perceiver.robots.body import Slip
+from active_perceiver.robots.body import NO_SLIP, Slip
 from active_perceiver.robots.plan import Plan, counted_from
 from active_perceiver.robots.simulated import (
     WEBCAM,
@@ -135,7 +135,7 @@ def _search(number: int) -> dict[str, Any]:
     target = lab.scene.targets[lab.scene.target_index(name)]
     picture = decode_image(target.pictures[rng.integers(target.trained)])
     start = random_start(room, rng, conditions.centimetres, conditions.degrees)
-    slip = Slip() if conditions.slip else Slip(0.0, 0.0, 0.0, 0.0, 0.0)
+    slip = Slip() if conditions.slip else NO_SLIP
     robot = SimulatedRobot(room, start, actions=agent.config.actions(room.name), slip=slip, seed=number)
     record = search(agent, robot, picture, branch=room.name, max_steps=settings.max_steps, seed=number)
     end = robot.pose()
