@@ -286,10 +286,11 @@ def _tilts_of(robot: Wanderer, table: PoseTable) -> NDArray[np.float64]:
 
 def _check_ways(tour: Tour, table: PoseTable, standing: int) -> None:
     """Refuse places to which no robot should be sent, before it moves."""
-    for place, number in zip(*np.unique(tour.place_of, return_index=True), strict=True):
-        if tour.way(int(tour.place_of[standing]), {int(place)}) is None:
-            x, z = table.poses[number, :2]
-            raise PlacesError(
-                f"{table.path}, line {table.lines[number]}: from where the robot stands to x {x:g}, z {z:g} there "
-                f"are no places at most {LONGEST:g} m apart; x and z are metres: correct the table"
-            )
+    cut_off = tour.cut_off(int(tour.place_of[standing]))
+    if len(cut_off):
+        number = int((tour.place_of == cut_off[0]).argmax())
+        x, z = table.poses[number, :2]
+        raise PlacesError(
+            f"{table.path}, line {table.lines[number]}: from where the robot stands to x {x:g}, z {z:g} there are no "
+            f"places at most {LONGEST:g} m apart; x and z are metres: correct the table"
+        )

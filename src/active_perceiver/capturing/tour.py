@@ -63,9 +63,7 @@ class Tour:
             Numbers of places, none if one that is wanted is here; None if there is no way to any.
         """
         targets = sorted(wanted - self.given_up)
-        costs, before = dijkstra(
-            csr_array(self._lengths**LENGTH_POWER), indices=here, directed=False, return_predecessors=True
-        )
+        costs, before = self._shortest(here)
         if not targets or not np.isfinite(costs[targets]).any():
             return None
         place = min(targets, key=lambda target: (round(float(costs[target]), 6), target))
@@ -74,6 +72,16 @@ class Tour:
             way.append(place)
             place = int(before[place])
         return way[::-1]
+
+    def cut_off(self, here: int) -> NDArray[np.int64]:
+        """Numbers of the places to which no way leads from one."""
+        return np.flatnonzero(~np.isfinite(self._shortest(here)[0]))
+
+    def _shortest(self, here: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+        costs, before = dijkstra(
+            csr_array(self._lengths**LENGTH_POWER), indices=here, directed=False, return_predecessors=True
+        )
+        return costs, before
 
     def reached(self, place: int) -> None:
         """Take note that a place can be reached, whatever stands in some of the ways to it."""
