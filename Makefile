@@ -5,12 +5,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint clean help
+.PHONY: demo test lint docs clean help
 
 help:
 	@echo "make demo   train on the bundled kitchen and search it; ends with where to look (about 5 minutes)"
 	@echo "make test   the tests (about 8 minutes)"
 	@echo "make lint   ruff and mypy"
+	@echo "make docs   the generated blocks of README and docs, from benchmarks/ and the commands' help"
 	@echo "make clean  remove .venv, demo/ and caches"
 
 demo: $(READY)
@@ -23,6 +24,9 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+docs: $(READY)
+	$(BIN)/python -m docs.generate
 
 $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.10 or newer is needed: make PYTHON=python3.12 ..." if sys.version_info < (3, 10) else 0)'
