@@ -1,10 +1,8 @@
-"""What a user of Gymnasium gets: ids for the bundled scenes, three observation modes, and a page that is true."""
+"""What a user of Gymnasium gets: ids for the bundled scenes and three observation modes."""
 
-import re
 import subprocess
 import sys
 import warnings
-from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -13,7 +11,7 @@ from gymnasium.utils.env_checker import check_env
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
-from active_perceiver.scenes import TURTLEBOT_ACTIONS, Action, bundled_names, save_scene
+from active_perceiver.scenes import TURTLEBOT_ACTIONS, Action, bundled_names
 from active_perceiver.scenes.bundled import TARGETS_OF_RECORD
 from active_perceiver.search import SearchEnv, SearchError, SearchTask, SearchVectorEnv, location_mask
 from active_perceiver.search.observation_modes import MODES
@@ -23,7 +21,6 @@ from active_perceiver.vision.cache import scene_features
 from toy import toy_scene
 
 IDS = [name for name in gymnasium.registry if name.startswith("ActivePerceiver/")]
-PAGE = Path(__file__).parents[2] / "docs" / "gymnasium.md"
 SIZE = {"image": 40, "features": 96, "boxes": None}
 FOUR_ACTIONS = (Action.MOVE_AHEAD, Action.MOVE_BACK, Action.ROTATE_LEFT, Action.ROTATE_RIGHT)
 
@@ -185,26 +182,3 @@ def test_stable_baselines3_trains_on_it(mode, scene):
     after = list(model.policy.parameters())
     assert any((old != new).any() for old, new in zip(before, after, strict=True))
     assert all(weights.isfinite().all() for weights in after)
-
-
-def code_blocks():
-    return re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
-
-
-def test_the_page_shows_an_agent_in_20_lines():
-    assert any(len(block.splitlines()) <= 20 and "learn" in block for block in code_blocks())
-
-
-@pytest.mark.parametrize("number", range(len(code_blocks()) if PAGE.exists() else 0))
-def test_every_code_block_of_the_page_runs(number, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    save_scene(toy_scene(side=3), tmp_path / "my_room.h5")
-    exec(compile(code_blocks()[number], f"{PAGE}, block {number}", "exec"), {"__name__": "page"})
-    if "print(" in code_blocks()[number]:
-        assert capsys.readouterr().out
-
-
-def test_the_page_names_every_id_and_mode():
-    text = PAGE.read_text()
-    for name in (*IDS, *(f'`"{mode}"`' for mode in MODES)):
-        assert name in text
