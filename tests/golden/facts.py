@@ -62,6 +62,15 @@ def onnx_digest(path: Path) -> str:
     return digest(model.SerializeToString(deterministic=True), json.dumps(noted, sort_keys=True).encode())
 
 
+def weights_digest(path: Path) -> str:
+    """Of a safetensors file, whose metadata come in an order that changes; without the backbone's fingerprint."""
+    data = path.read_bytes()
+    end = 8 + int.from_bytes(data[:8], "little")
+    header = json.loads(data[8:end])
+    header.get("__metadata__", {}).pop("backbone", None)
+    return digest(json.dumps(header, sort_keys=True).encode(), data[end:])
+
+
 def arrays_digest(path: Path) -> dict[str, str]:
     """Of each array in an .npz file; those named by a fingerprint, which has the backbone's in it, are numbered."""
     with np.load(path, allow_pickle=False) as file:
@@ -116,6 +125,7 @@ def agent_facts(agent: Path, folder: Path) -> dict[str, Any]:
     readers = {
         ".onnx": onnx_digest,
         ".npz": arrays_digest,
+        ".safetensors": weights_digest,
         ".json": lambda path: json_facts(path, folder),
         ".md": lambda path: card_text(path, folder).splitlines(),
     }
