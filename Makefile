@@ -10,7 +10,7 @@ READY := $(VENV)/.ready
 help:
 	@echo "make demo   train on the bundled kitchen and search it; ends with where to look (about 5 minutes)"
 	@echo "make test   the tests (about 8 minutes)"
-	@echo "make lint   ruff and mypy"
+	@echo "make lint   ruff, mypy, and which folder may import which"
 	@echo "make docs   the generated blocks of README and docs, from benchmarks/ and the commands' help"
 	@echo "make clean  remove .venv, demo/ and caches"
 
@@ -24,15 +24,16 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
 
 docs: $(READY)
 	$(BIN)/python -m docs.generate
 
-$(READY): pyproject.toml constraints.txt
+$(READY): pyproject.toml indoor_rooms/pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.10 or newer is needed: make PYTHON=python3.12 ..." if sys.version_info < (3, 10) else 0)'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(PIP_ARGS) -c constraints.txt -e '.[train,rooms,dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(PIP_ARGS) -c constraints.txt -e ./indoor_rooms -e '.[train,rooms,dev]'
 	touch $@
 
 clean:
-	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -6,9 +6,12 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from active_perceiver.experiments.settings import TrainSettings
 from active_perceiver.scenes import Scene, save_scene
-from toy import toy_scene
+from active_perceiver.training.config import TrainConfig
+from helpers.agents import ball, short_searches, wanderer
+from helpers.toy import toy_scene
+
+__all__ = ["ball", "short_searches", "wanderer"]
 
 # Tests do not measure time: on a busy machine a deadline is only a way to fail.
 hypothesis.settings.register_profile("untimed", deadline=None)
@@ -46,15 +49,15 @@ def scene_file(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def settings(scene_file: Path) -> TrainSettings:
+def settings(scene_file: Path) -> TrainConfig:
     """A training of seconds; the tests that need its result are in the xdist group "agent", so that it runs once."""
-    return TrainSettings(scenes=(str(scene_file),), recogniser_steps=120, image_size=96, changed_degrees=10.0)
+    return TrainConfig(scenes=(str(scene_file),), recogniser_steps=120, image_size=96, viewpoint_jitter_degrees=10.0)
 
 
 @pytest.fixture(scope="session")
-def agent_folder(settings: TrainSettings, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def agent_folder(settings: TrainConfig, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An agent trained on the small scene."""
-    from active_perceiver.experiments.training import train_agent
+    from active_perceiver.training.train import train_agent
 
     folder = tmp_path_factory.mktemp("agents") / "toy"
     train_agent(settings, folder)

@@ -29,7 +29,7 @@ def test_the_demo_is_as_good_and_as_fast_as_it_set_out_to_be():
         assert metrics["auroc"] >= auroc
         assert metrics["ap50"] >= ap50
         assert metrics["false_positive_rate"] < 0.01
-    for found in (row for kind in KINDS for row in demo["own_word"][kind]["per_target"]):
+    for found in (row for kind in KINDS for row in demo["stop_evaluation"][kind]["per_target"]):
         assert found["true_found"] >= 0.95
         assert found["false_found"] <= 0.02
 
@@ -40,8 +40,8 @@ def test_every_scene_is_solved(path):
     assert body["overall"]["success"] == 1.0
     assert body["overall"]["ratio"] <= 1.03
     for kind in KINDS:
-        assert body["own_word"][kind]["overall"]["true_found"] >= 0.95
-        assert body["own_word"][kind]["overall"]["false_found"] <= 0.02
+        assert body["stop_evaluation"][kind]["overall"]["true_found"] >= 0.95
+        assert body["stop_evaluation"][kind]["overall"]["false_found"] <= 0.02
 
 
 def test_every_generated_room_is_sound():

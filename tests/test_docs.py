@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 import tyro
 
-from active_perceiver import cli
-from active_perceiver.robots.ros_settings_file import load_settings
+from active_perceiver.cli import main as cli
+from active_perceiver.robots.ros.config_file import load_config
 from active_perceiver.scenes import open_scene, save_scene
-from toy import toy_scene
+from helpers.toy import toy_scene
 
 ROOT = Path(__file__).parents[1]
 PAGES = {
@@ -93,14 +93,14 @@ def test_the_robot_of_its_page_says_whether_it_moved(answer, moved, agent_folder
     exec(code.replace("TURTLEBOT_ACTIONS", "EIGHT_ACTIONS"), page)
     record = page["record"]
     assert len(asked) == record.actions > 0
-    assert all(glimpse.moved is moved for glimpse in record.glimpses[1:])
+    assert all(step_record.robot_moved is moved for step_record in record.step_records[1:])
     assert capsys.readouterr().out.count("stand still") == 2  # the search's end, and the robot's
 
 
 def test_the_settings_of_a_robot_can_be_read(tmp_path):
     (text,) = fenced("docs/robot.md", "yaml")
     (tmp_path / "robot.yaml").write_text(text)
-    settings = load_settings(tmp_path / "robot.yaml")
+    settings = load_config(tmp_path / "robot.yaml")
     assert settings.tilts == (-25.0, 0.0)
     assert settings.limits.speed == 0.1
 
@@ -208,8 +208,8 @@ OF_OTHERS = {"datasets/offline_controller_with_small_rotation.py"}  # SAVN's
 @pytest.mark.parametrize("page", PAGES)
 def test_modules_that_are_named_exist(page):
     for name in re.findall(r"`([a-z_0-9]+/[a-z_0-9/]+\.py)\b", PAGES[page]):
-        known = name in OF_OTHERS or (ROOT / name).is_file()
-        assert known or (ROOT / "src" / "active_perceiver" / name).is_file(), name
+        homes = (ROOT, ROOT / "src" / "active_perceiver", ROOT / "indoor_rooms" / "src" / "indoor_rooms")
+        assert name in OF_OTHERS or any((home / name).is_file() for home in homes), name
 
 
 def test_every_page_can_be_reached_from_the_readme():

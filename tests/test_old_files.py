@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import yaml
 
-from active_perceiver.cli import main
-from active_perceiver.robots.ros_settings_file import load_settings, save_settings
+from active_perceiver.cli.main import main
+from active_perceiver.robots.ros.config_file import load_config, save_config
 from active_perceiver.scenes import load_scene
-from active_perceiver.scenes.labelling import label_states
+from active_perceiver.scenes.box_labels import label_states
 from active_perceiver.scenes.scene import LABELLED, PROPOSED, UNLABELLED
 
 pytestmark = pytest.mark.xdist_group("agent")  # whose backbone these agents need as well
@@ -82,7 +82,7 @@ def test_a_recording_is_reported(agent, recording, picture, tmp_path, capsys):
 
 def test_settings_of_a_robot_are_read_whole(tmp_path):
     """Keys may have other names by now, but no value is lost."""
-    save_settings(load_settings(OLD / "robot.yaml"), tmp_path / "again.yaml")
+    save_config(load_config(OLD / "robot.yaml"), tmp_path / "again.yaml")
     then, now = (yaml.safe_load(path.read_text()) for path in (OLD / "robot.yaml", tmp_path / "again.yaml"))
     assert leaves(now) == leaves(then)
 

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from active_perceiver.cli import main
-from active_perceiver.experiments.benchmarks.act_report import format_act_speed
-from active_perceiver.experiments.benchmarks.env_speed import format_env_speed
-from active_perceiver.experiments.benchmarks.exported_report import format_exported
-from active_perceiver.experiments.benchmarks.policies_report import format_policies
-from active_perceiver.experiments.benchmarks.recogniser_report import format_recogniser_ablation
-from active_perceiver.experiments.benchmarks.robot_report import format_robot
-from active_perceiver.experiments.benchmarks.robustness_report import format_robustness
-from active_perceiver.experiments.benchmarks.scale_report import format_scale
-from active_perceiver.experiments.benchmarks.train_report import format_train_speed
-from active_perceiver.experiments.reproduction.setups import FULL
-from active_perceiver.experiments.reproduction.tables import (
-    format_choices,
-    format_recogniser,
-    format_table_1,
-    format_table_2,
-)
-from active_perceiver.rooms.objects import OBJECTS
+from active_perceiver.benchmarks.act.report import format_act_speed
+from active_perceiver.benchmarks.env.measure import format_env_speed
+from active_perceiver.benchmarks.exported.report import format_exported
+from active_perceiver.benchmarks.policies.report import format_policies
+from active_perceiver.benchmarks.recogniser.report import format_recogniser_ablation
+from active_perceiver.benchmarks.robot.report import format_robot
+from active_perceiver.benchmarks.robustness.report import format_robustness
+from active_perceiver.benchmarks.scale.report import format_scale
+from active_perceiver.benchmarks.train.report import format_train_speed
+from active_perceiver.cli.main import main
+from active_perceiver.envs.registration import scene_id
+from active_perceiver.reproduction.setups import FULL
+from active_perceiver.reproduction.tables import format_choices, format_recogniser, format_table_1, format_table_2
 from active_perceiver.scenes import bundled_names, open_scene
 from active_perceiver.scenes.bundled import TARGETS_OF_RECORD, scene_path
-from active_perceiver.search.registration import scene_id
+from indoor_rooms.objects import OBJECTS
 
 __all__ = [
     "BENCHMARK_TABLES",

@@ -29,7 +29,7 @@ def beside_the_paper() -> str:
     rows = []
     for label, (name, setup) in _SETUPS.items():
         ours = result(name)
-        overall, word = ours["overall"], ours["own_word"]["pictures_unseen"]["overall"]
+        overall, word = ours["overall"], ours["stop_evaluation"]["pictures_unseen"]["overall"]
         figures = (percent(overall["success"], 0), f"{overall['mean_steps']:.1f}", f"{overall['ratio']:.3f}")
         rows.append((label, *figures, true_false(word), *_paper(setup)))
     return table(head, rows)
@@ -45,7 +45,7 @@ def _paper(setup: str) -> list[str]:
 def demo() -> str:
     """The demo's targets, and how long it took."""
     body = result("demo")
-    seen, unseen = (body["own_word"][f"pictures_{kind}"] for kind in ("seen", "unseen"))
+    seen, unseen = (body["stop_evaluation"][f"pictures_{kind}"] for kind in ("seen", "unseen"))
     head = (
         "target", "success", "actions", "fewest possible", "x the fewest", "found: true, false",
         "found: true, false, with a picture never seen", "actions",
@@ -86,7 +86,7 @@ def agents() -> str:
     rows = []
     for name in ("kitchen_1", "kitchen_2", "living_room_1", "living_room_2", "conference_room", "four_rooms"):
         body = result(f"scenes/{name}")
-        metrics, word, seconds = body["recogniser"]["metrics"], body["own_word"], body["seconds"]
+        metrics, word, seconds = body["recogniser"]["metrics"], body["stop_evaluation"], body["seconds"]
         overall = body["overall"]
         rows.append(
             (
@@ -109,7 +109,7 @@ def elsewhere() -> str:
     """An agent whose recogniser was trained on pictures taken in other rooms."""
     body = result("elsewhere")
     there, here = body["recogniser"]["metrics"]["seen pictures"], body["detection"]["pictures_seen"]
-    overall, word = body["overall"], body["own_word"]["pictures_seen"]["overall"]
+    overall, word = body["overall"], body["stop_evaluation"]["pictures_seen"]["overall"]
     rows = (
         ("AUROC, AP50 on places of the other rooms that it was not trained on", _auroc_ap50(there)),
         ("AUROC, AP50 in the conference room", _auroc_ap50(here)),
@@ -206,9 +206,9 @@ def robot() -> str:
 
 
 def _trained_on(agent: dict[str, float]) -> str:
-    if not agent["changed_views"]:
+    if not agent["view_augmentation"]:
         return "the views alone"
-    if not agent["changed_degrees"]:
+    if not agent["viewpoint_jitter_degrees"]:
         return "views in other light (the default)"
     return "views in other light and from near by"
 

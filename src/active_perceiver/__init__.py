@@ -4,4 +4,4 @@ An implementation of Ye, Lin, Li, Zheng, Yang, "Active Object Perceiver: Recogni
 Object Searching on Mobile Robots", IROS 2018 (https://arxiv.org/abs/1807.11174).
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"

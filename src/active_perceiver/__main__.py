@@ -2,6 +2,6 @@
 
 import sys
 
-from active_perceiver.cli import main
+from active_perceiver.cli.main import main
 
 sys.exit(main())

@@ -8,7 +8,7 @@ from matplotlib.collections import PatchCollection
 
 from active_perceiver.figures.entropy_map import entropy_maps, lattice_spacing, mean_by_place
 from active_perceiver.figures.floor import figure_image, figure_png
-from toy import STEP
+from helpers.toy import STEP
 
 MOST = float(np.log(8))
 

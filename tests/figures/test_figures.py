@@ -8,7 +8,6 @@ from matplotlib.collections import LineCollection
 from matplotlib.quiver import Quiver
 from PIL import Image
 
-from active_perceiver.figures import page
 from active_perceiver.figures.annotate import draw_detection
 from active_perceiver.figures.contact_sheet import contact_sheet
 from active_perceiver.figures.floor import (
@@ -20,6 +19,7 @@ from active_perceiver.figures.floor import (
     trajectory_panels,
 )
 from active_perceiver.recognition.recogniser import Detection
+from active_perceiver.reports import page
 from active_perceiver.scenes import FloorPlan
 from active_perceiver.scenes.lattice import goal_states
 

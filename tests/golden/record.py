@@ -46,8 +46,8 @@ def helps(work: Path) -> dict[str, str]:
 def toy(work: Path) -> dict[str, Any]:
     """The toy scene: a training, its evaluations, a recorded search and the report of it."""
     _toy_scene(work)
-    run(work, "train", *TOY, "--recogniser-steps", "120", "--changed-views", "1", "--changed-degrees", "10",
-        "--out", "toy")  # fmt: skip
+    augmentation = ("--view-augmentation", "1", "--viewpoint-jitter-degrees", "10")
+    run(work, "train", *TOY, "--recogniser-steps", "120", *augmentation, "--out", "toy")
     made = {
         "toy_agent.json": agent_facts(work / "toy", work),
         "toy_evaluate.json": _evaluated(work, "toy", "--searches", "30", "--confirm"),
@@ -70,7 +70,7 @@ def view(work: Path) -> dict[str, Any]:
 
 def kitchen(work: Path) -> dict[str, Any]:
     """The bundled kitchen: a training, an evaluation, a search on recorded views and one on the simulated robot."""
-    run(work, "train", *KITCHEN, "--recogniser-steps", "20", "--changed-views", "0", "--learner", "distil",
+    run(work, "train", *KITCHEN, "--recogniser-steps", "20", "--view-augmentation", "0", "--learner", "distil",
         "--out", "kitchen")  # fmt: skip
     made = {
         "kitchen_agent.json": agent_facts(work / "kitchen", work),

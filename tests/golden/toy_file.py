@@ -7,7 +7,7 @@ from active_perceiver.scenes import save_scene
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from toy import toy_scene
+from helpers.toy import toy_scene
 
 if __name__ == "__main__":
     save_scene(toy_scene(), Path(sys.argv[1]))

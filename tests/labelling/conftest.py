@@ -14,7 +14,7 @@ import pytest
 
 from active_perceiver.scenes import Scene, save_scene
 from active_perceiver.scenes.scene import LABELLED, PROPOSED, UNLABELLED
-from toy import toy_scene
+from helpers.toy import toy_scene
 
 LABELLED_VIEWS, PROPOSED_VIEWS = 16, 32
 """The first so many views are labelled; those up to the second number have proposals; there are 48."""

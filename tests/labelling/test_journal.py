@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from active_perceiver.labelling.copying import scene_to_label
 from active_perceiver.labelling.journal import Journal, JournalError, journal_path
-from active_perceiver.labelling.saving import ChangedMeanwhileError, Labelling
+from active_perceiver.labelling.label_store import ChangedMeanwhileError, Labelling
 from active_perceiver.labelling.view_labels import LabelError, ViewLabels, labels_of, with_labels
+from active_perceiver.labelling.working_copy import scene_to_label
 from active_perceiver.scenes import SceneError, load_scene, save_scene
 from active_perceiver.scenes.scene import BOX_TOLERANCE, LABELLED, PROPOSED, UNLABELLED
 
@@ -197,7 +197,7 @@ def test_a_save_that_fails_keeps_file_and_journal(room, monkeypatch):
     def full_disk(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("active_perceiver.labelling.saving.save_scene", full_disk)
+    monkeypatch.setattr("active_perceiver.labelling.label_store.save_scene", full_disk)
     with pytest.raises(LabelError, match=r"cannot be written .*keeps the changes"):
         labelling.save()
     monkeypatch.undo()

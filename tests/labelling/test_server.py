@@ -9,8 +9,8 @@ import threading
 import pytest
 from PIL import Image
 
-from active_perceiver.labelling.answering import LARGEST_POST
-from active_perceiver.labelling.saving import Labelling
+from active_perceiver.labelling.answers import LARGEST_POST
+from active_perceiver.labelling.label_store import Labelling
 from active_perceiver.labelling.server import LabellingServer, ServerError
 from active_perceiver.labelling.view_labels import ViewLabels, labels_of
 from active_perceiver.scenes import load_scene

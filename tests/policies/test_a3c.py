@@ -11,57 +11,57 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from a3c_failures import FailingWorker, KilledWorker
-from problems import toy_problem
 
-from active_perceiver.policies.a3c import train_a3c
-from active_perceiver.policies.a3c_processes import WorkerCrashError, live_side_by_side
-from active_perceiver.policies.a3c_worker import EpisodeWorker, SharedWeights
+from active_perceiver.envs import REWARDS, SearchEnv, SearchError
+from active_perceiver.policies.a3c.learner import train_a3c
+from active_perceiver.policies.a3c.processes import WorkerCrashError, run_workers
+from active_perceiver.policies.a3c.worker import EpisodeWorker, SharedWeights
 from active_perceiver.policies.config import A3cConfig
 from active_perceiver.policies.evaluation import exact_evaluation
 from active_perceiver.policies.learners import LEARNERS
-from active_perceiver.policies.network import problem_table, seeded_network
-from active_perceiver.search import REWARDS, SearchEnv, SearchError
+from active_perceiver.policies.network import seeded_network, task_table
+from helpers.a3c_failures import FailingWorker, KilledWorker
+from helpers.problems import toy_task
 
 SMALL = A3cConfig(hidden=16, iterations=12, check_every=4, max_steps=60, target_ratio=None, serial=True)
 
 
 @pytest.fixture(scope="module")
-def problem():
-    return toy_problem()
+def training_task():
+    return toy_task()
 
 
-def worker_for(problem, config, number=0, target=0, kind=EpisodeWorker):
-    return kind(problem, target, seeded_network([problem], config), config, number)
+def worker_for(training_task, config, number=0, target=0, kind=EpisodeWorker):
+    return kind(training_task, target, seeded_network([training_task], config), config, number)
 
 
-def far_start(problem, target=0):
-    return int(problem.task.steps[:, target].argmax())
+def far_start(training_task, target=0):
+    return int(training_task.task.steps[:, target].argmax())
 
 
 @pytest.mark.parametrize("reward", REWARDS)
-def test_a_roll_out_is_what_the_environment_does(problem, reward):
+def test_a_roll_out_is_what_the_environment_does(training_task, reward):
     config = replace(SMALL, reward=reward, area_unit=3.0)
     scale = 3.0 if reward in ("record", "area") else 1.0
-    task, start = problem.task, far_start(problem, 1)
-    worker = worker_for(problem, config, target=1)
+    task, start = training_task.task, far_start(training_task, 1)
+    worker = worker_for(training_task, config, target=1)
     for most in (5, 400):  # a few states decided one by one, then all at once
         segment = worker.roll_out(start, float(task.areas[start, 1]), 0, most, np.random.default_rng(1))
-        env = SearchEnv(task=task, observations=problem.observations, reward=reward, max_steps=most)
+        env = SearchEnv(task=task, observations=training_task.observations, reward=reward, max_steps=most)
         env.reset(options={"start": start, "target": 1})
         for step, action in enumerate(segment.actions):
-            following = task.transitions[segment.states[step], action]
-            _, paid, terminated, _, _ = env.step(int(action))
-            assert segment.rewards[step] == pytest.approx(scale * paid, abs=1e-6)
-            assert following == (segment.states[step + 1] if step + 1 < len(segment.states) else segment.last)
+            next_states = task.transitions[segment.states[step], action]
+            _, earned, terminated, _, _ = env.step(int(action))
+            assert segment.rewards[step] == pytest.approx(scale * earned, abs=1e-6)
+            assert next_states == (segment.states[step + 1] if step + 1 < len(segment.states) else segment.last)
             assert terminated == (segment.arrived and step + 1 == len(segment.states))
         assert segment.arrived or len(segment.states) == most
 
 
-def test_actions_are_drawn_as_the_network_says(problem):
+def test_actions_are_drawn_as_the_network_says(training_task):
     """A record and a start in the middle of an episode, thousands of draws of the first action."""
-    worker = worker_for(problem, replace(SMALL, hidden=8))
-    start, rng = far_start(problem), np.random.default_rng(0)
+    worker = worker_for(training_task, replace(SMALL, hidden=8))
+    start, rng = far_start(training_task), np.random.default_rng(0)
     with torch.no_grad():
         for parameter in worker._network.parameters():
             parameter += 0.3 * torch.from_numpy(rng.normal(size=parameter.shape).astype(np.float32))
@@ -74,10 +74,14 @@ def test_actions_are_drawn_as_the_network_says(problem):
 
 @pytest.mark.parametrize("most", [7, 300])
 @pytest.mark.parametrize("target", [0, 1])
-def test_loss_and_gradient_equal_those_of_a_plain_loop_over_the_steps(problem, most, target):
+def test_loss_and_gradient_equal_those_of_a_plain_loop_over_the_steps(training_task, most, target):
     config = replace(SMALL, reward="gain", entropy_weight=0.03, gamma=0.9)
-    worker, task, seen = worker_for(problem, config, target=target), problem.task, problem.observations
-    segment = worker.roll_out(far_start(problem, target), 0.0, 1, most, np.random.default_rng(2))
+    worker, task, seen = (
+        worker_for(training_task, config, target=target),
+        training_task.task,
+        training_task.observations,
+    )
+    segment = worker.roll_out(far_start(training_task, target), 0.0, 1, most, np.random.default_rng(2))
     assert len(np.unique(segment.states)) < len(segment.states), "some state should be visited twice"
     network = worker._network
 
@@ -102,7 +106,7 @@ def test_loss_and_gradient_equal_those_of_a_plain_loop_over_the_steps(problem, m
         advantage = future - value
         entropy = -(log.exp() * log).sum()
         plain = plain - log[segment.actions[step]] * advantage.detach() - config.entropy_weight * entropy
-        plain = plain + config.value_weight * advantage**2
+        plain = plain + config.value_coef * advantage**2
     slow = gradients(plain)
     assert fast.keys() == slow.keys()
     for name, gradient in slow.items():
@@ -110,13 +114,13 @@ def test_loss_and_gradient_equal_those_of_a_plain_loop_over_the_steps(problem, m
 
 
 def test_updates_are_rmsprop_with_shared_squares_and_leave_other_branches_alone():
-    problems = [toy_problem(), toy_problem(1, side=2, targets=1)]
+    training_tasks = [toy_task(), toy_task(1, side=2, targets=1)]
     config = replace(SMALL, decay=0.9, epsilon=0.01)
-    shared = SharedWeights.of(seeded_network(problems, config))
-    workers = [EpisodeWorker(problem, 0, shared.network, config, 0) for problem in problems]
+    shared = SharedWeights.of(seeded_network(training_tasks, config))
+    workers = [EpisodeWorker(training_task, 0, shared.network, config, 0) for training_task in training_tasks]
     before = {name: value.detach().double().clone() for name, value in shared.network.named_parameters()}
     expected, squares = dict(before), {name: torch.zeros_like(value) for name, value in before.items()}
-    for worker, some, rate in ((workers[0], problems[0], 0.1), (workers[0], problems[0], 0.05)):
+    for worker, some, rate in ((workers[0], training_tasks[0], 0.1), (workers[0], training_tasks[0], 0.05)):
         own = worker._network
         shared.copy_to(own)
         segment = worker.roll_out(far_start(some), 0.0, 0, 20, np.random.default_rng(0))
@@ -137,9 +141,9 @@ def test_updates_are_rmsprop_with_shared_squares_and_leave_other_branches_alone(
     assert "1" not in touched
 
 
-def test_returns_are_discounted_sums(problem):
-    worker = worker_for(problem, SMALL)
-    segment = worker.roll_out(far_start(problem), 0.0, 0, 9, np.random.default_rng(0))
+def test_returns_are_discounted_sums(training_task):
+    worker = worker_for(training_task, SMALL)
+    segment = worker.roll_out(far_start(training_task), 0.0, 0, 9, np.random.default_rng(0))
     returns = segment.returns(2.0, 0.5)
     for step in range(9):
         rewards = segment.rewards[step:]
@@ -147,94 +151,94 @@ def test_returns_are_discounted_sums(problem):
         assert returns[step] == pytest.approx((rewards * 0.5 ** np.arange(len(rewards))).sum() + rest)
 
 
-def test_in_turn_it_comes_near_the_shortest_paths(problem):
+def test_in_turn_it_comes_near_the_shortest_paths(training_task):
     """The issue's own measure: within 1.5 times, on a toy scene, in serial mode."""
     config = A3cConfig(
         reward="arrival", gamma=0.95, learning_rate=3e-3, epsilon=1e-4, iterations=4000, hidden=64, max_steps=300,
         serial=True, check_every=200, target_ratio=1.45,
     )  # fmt: skip
-    told = []
-    network, history = LEARNERS["a3c"].train([problem], config, told.append)
-    overall = exact_evaluation(problem_table(network, problem, 0)[0], problem.task).overall
+    robot_moved = []
+    network, history = LEARNERS["a3c"].train([training_task], config, robot_moved.append)
+    overall = exact_evaluation(task_table(network, training_task, 0)[0], training_task.task).overall
     assert overall.success == pytest.approx(1)
     assert overall.ratio <= 1.5
-    assert told == history
+    assert robot_moved == history
     assert history[-1]["samples"] > history[0]["samples"] > 0
 
 
-def test_updates_every_few_steps_learn_too(problem):
+def test_updates_every_few_steps_learn_too(training_task):
     config = replace(
         SMALL, reward="arrival", gamma=0.95, update_steps=5, learning_rate=3e-3, epsilon=1e-4, iterations=1500,
         hidden=32, check_every=1500,
     )  # fmt: skip
-    _, history = train_a3c([problem], config)
+    _, history = train_a3c([training_task], config)
     assert history[-1]["iteration"] == 1500
     assert history[-1]["samples"] <= 1500 * 5
-    walk = exact_evaluation(np.full((*problem.task.goals.shape, 8), 1 / 8), problem.task).overall
+    walk = exact_evaluation(np.full((*training_task.task.goals.shape, 8), 1 / 8), training_task.task).overall
     assert history[-1]["mean_steps"] < 0.8 * walk.mean_steps
 
 
-def test_an_interrupted_training_goes_on_as_if_it_had_not_been(problem, tmp_path):
+def test_an_interrupted_training_goes_on_as_if_it_had_not_been(training_task, tmp_path):
     path = tmp_path / "checkpoint"
-    whole, history = train_a3c([problem], SMALL)
+    whole, history = train_a3c([training_task], SMALL)
 
     def interrupt(record):
         if record["iteration"] == 8:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        train_a3c([problem], SMALL, interrupt, checkpoint=path)
-    parts, more = train_a3c([problem], SMALL, checkpoint=path)
+        train_a3c([training_task], SMALL, interrupt, checkpoint=path)
+    parts, more = train_a3c([training_task], SMALL, checkpoint=path)
     assert [record["iteration"] for record in more] == [4, 8, 12]
     drop = ("seconds", "measuring")
     for first, second in zip(history, more, strict=True):
         assert {k: v for k, v in first.items() if k not in drop} == {k: v for k, v in second.items() if k not in drop}
-    np.testing.assert_array_equal(problem_table(whole, problem)[0], problem_table(parts, problem)[0])
-    again, same = train_a3c([problem], SMALL, checkpoint=path)  # nothing is left to do
+    np.testing.assert_array_equal(task_table(whole, training_task)[0], task_table(parts, training_task)[0])
+    again, same = train_a3c([training_task], SMALL, checkpoint=path)  # nothing is left to do
     assert same == more
-    np.testing.assert_array_equal(problem_table(again, problem)[0], problem_table(parts, problem)[0])
+    np.testing.assert_array_equal(task_table(again, training_task)[0], task_table(parts, training_task)[0])
 
 
-def test_refuses_checkpoints_of_others_and_broken_ones(problem, tmp_path):
+def test_refuses_checkpoints_of_others_and_broken_ones(training_task, tmp_path):
     path = tmp_path / "checkpoint"
-    train_a3c([problem], SMALL, checkpoint=path)
+    train_a3c([training_task], SMALL, checkpoint=path)
     with pytest.raises(SearchError, match="other settings or scenes"):
-        train_a3c([problem], replace(SMALL, gamma=0.5), checkpoint=path)
+        train_a3c([training_task], replace(SMALL, gamma=0.5), checkpoint=path)
     with pytest.raises(SearchError, match="other settings or scenes"):
-        train_a3c([toy_problem(1, width=32)], SMALL, checkpoint=path)
+        train_a3c([toy_task(1, width=32)], SMALL, checkpoint=path)
     for data in (b"", b"no checkpoint", path.read_bytes()[:-100]):
         path.write_bytes(data)
         with pytest.raises(SearchError, match="no checkpoint of a3c"):
-            train_a3c([problem], SMALL, checkpoint=path)
+            train_a3c([training_task], SMALL, checkpoint=path)
 
 
 @pytest.mark.xdist_group("processes")
 class TestSideBySide:
     def test_more_workers_than_cores_share_one_network(self, tmp_path):
-        problems = [toy_problem(targets=3), toy_problem(1, side=2, targets=2)]
+        training_tasks = [toy_task(targets=3), toy_task(1, side=2, targets=2)]
         config = replace(SMALL, serial=False, iterations=60, check_every=20)
         path = tmp_path / "checkpoint"
-        start = [problem_table(seeded_network(problems, config), some)[0] for some in problems]
-        network, history = train_a3c(problems, config, checkpoint=path)
+        start = [task_table(seeded_network(training_tasks, config), some)[0] for some in training_tasks]
+        network, history = train_a3c(training_tasks, config, checkpoint=path)
         iterations = [record["iteration"] for record in history]
         assert iterations[-1] == 60
         # Workers do not wait for a measurement, so there may be fewer than three.
         assert min(np.diff([0, *iterations])) > 0
         assert len(iterations) <= 3
-        for some, before in zip(problems, start, strict=True):
-            assert not np.array_equal(problem_table(network, some)[0], before)
+        for some, before in zip(training_tasks, start, strict=True):
+            assert not np.array_equal(task_table(network, some)[0], before)
         assert path.is_file()
 
     @pytest.mark.parametrize(
         ("kind", "message"), [(FailingWorker, "the floor gave way"), (KilledWorker, "a3c-1 was killed")]
     )
-    def test_a_worker_that_fails_ends_the_training_with_its_reason(self, problem, kind, message):
+    def test_a_worker_that_fails_ends_the_training_with_its_reason(self, training_task, kind, message):
         config = replace(SMALL, serial=False, iterations=10**9)
-        workers = [worker_for(problem, config), worker_for(problem, config, 1, 1, kind)]
-        shared = SharedWeights.of(seeded_network([problem], config))
+        workers = [worker_for(training_task, config), worker_for(training_task, config, 1, 1, kind)]
+        shared = SharedWeights.of(seeded_network([training_task], config))
         started = time.monotonic()
         with pytest.raises(WorkerCrashError, match=message):
-            for _ in live_side_by_side(workers, shared, 0, config.iterations):
+            for _ in run_workers(workers, shared, 0, config.iterations):
                 pass
         assert time.monotonic() - started < 60
 
@@ -248,13 +252,13 @@ class TestSideBySide:
             "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
             f"sys.path[:0] = [{str(here)!r}, {str(here.parent)!r}]\n"
             "from pathlib import Path\n"
-            "from problems import toy_problem\n"
+            "from helpers.problems import toy_task\n"
             "from active_perceiver.policies.config import A3cConfig\n"
             "from active_perceiver.policies.learners import LEARNERS\n"
             "if __name__ == '__main__':\n"
             "    config = A3cConfig(hidden=16, max_steps=60, check_every=10, iterations=10**8)\n"
             "    tell = lambda record: print('measured', flush=True)\n"
-            f"    LEARNERS['a3c'].train([toy_problem()], config, tell, checkpoint=Path({str(path)!r}))\n"
+            f"    LEARNERS['a3c'].train([toy_task()], config, tell, checkpoint=Path({str(path)!r}))\n"
         )
         process = subprocess.Popen(
             [sys.executable, str(script)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,

@@ -6,29 +6,29 @@ import networkx
 import numpy as np
 import pytest
 import torch
-from problems import toy_problem
 
+from active_perceiver.envs import SearchError
 from active_perceiver.errors import UserError
-from active_perceiver.experiments.settings import TrainSettings
-from active_perceiver.experiments.stages import learner_config
 from active_perceiver.policies.config import DistilConfig, PpoConfig
 from active_perceiver.policies.distil import distillation_loss, optimal_actions
 from active_perceiver.policies.fitting import state_batches
 from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.network import picture_tensors
 from active_perceiver.scenes.lattice import steps_to_goal
-from active_perceiver.search import SearchError
+from active_perceiver.training.common import learner_config
+from active_perceiver.training.config import TrainConfig
+from helpers.problems import toy_task
 
 
 @pytest.fixture(scope="module")
-def problem():
-    return toy_problem()
+def training_task():
+    return toy_task()
 
 
 @pytest.fixture(scope="module")
-def broken_task(problem):
+def broken_task(training_task):
     """The toy search, with states from which there is no way to any goal."""
-    task = problem.task
+    task = training_task.task
     lost = np.flatnonzero(~task.goals.any(axis=1))[::7]
     transitions = task.transitions.copy()
     transitions[lost] = lost[:, None]
@@ -92,11 +92,11 @@ def test_batches_go_through_all_states_evenly(states, size):
         assert sorted(order[start : start + states]) == list(range(states))
 
 
-def test_the_policy_is_the_running_mean_of_the_weights(problem):
+def test_the_policy_is_the_running_mean_of_the_weights(training_task):
     def weights(steps, averaging):
         config = DistilConfig(hidden=8, iterations=1, fit_steps=steps, batch_states=16, averaging=averaging)
         return torch.cat(
-            [part.detach().ravel() for part in LEARNERS["distil"].train([problem], config)[0].parameters()]
+            [part.detach().ravel() for part in LEARNERS["distil"].train([training_task], config)[0].parameters()]
         )
 
     first, second, third = (weights(steps, 0.0) for steps in (1, 2, 3))
@@ -109,10 +109,10 @@ def test_the_policy_is_the_running_mean_of_the_weights(problem):
     )
 
 
-def test_signals_neither_fade_nor_grow_in_the_network_that_training_begins_with(problem):
+def test_signals_neither_fade_nor_grow_in_the_network_that_training_begins_with(training_task):
     config = DistilConfig(iterations=1, fit_steps=1, learning_rate=1e-12)
-    network, _ = LEARNERS["distil"].train([problem], config)
-    views, _, _ = picture_tensors(problem, 0)
+    network, _ = LEARNERS["distil"].train([training_task], config)
+    views, _, _ = picture_tensors(training_task, 0)
     with torch.no_grad():
         normal = (views - network.view_mean) / network.view_scale
         first = torch.relu(network.view_layer(normal))
@@ -122,19 +122,19 @@ def test_signals_neither_fade_nor_grow_in_the_network_that_training_begins_with(
     assert max(sizes) / min(sizes) < 3
 
 
-def test_refuses_what_it_has_no_use_for(problem):
+def test_refuses_what_it_has_no_use_for(training_task):
     for fields in ({"reward": "goal"}, {"gamma": 0.9}):
         with pytest.raises(TypeError, match=next(iter(fields))):
             DistilConfig(**fields)
     with pytest.raises(SearchError, match="needs a DistilConfig, got a PpoConfig"):
-        LEARNERS["distil"].train([problem], PpoConfig())
+        LEARNERS["distil"].train([training_task], PpoConfig())
     with pytest.raises(SearchError, match="at least one scene"):
         LEARNERS["distil"].train([], DistilConfig())
 
 
 @pytest.mark.parametrize(("setting", "value"), [("reward", "goal"), ("entropy_weight", 0.1)])
 def test_the_command_says_that_it_has_no_reward(setting, value):
-    settings = TrainSettings(learner="distil")
+    settings = TrainConfig(learner="distil")
     with pytest.raises(UserError, match=f"the learner distil has no {setting}; leave it out"):
         learner_config(replace(settings, **{setting: value}))
     for task in ("object", "view"):

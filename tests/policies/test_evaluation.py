@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from problems import random_table, toy_problem
 
+from active_perceiver.envs import SearchEnv, SearchError, SearchTask
 from active_perceiver.policies import RandomPolicy, policy_table
-from active_perceiver.policies.arrivals import exact_arrivals
 from active_perceiver.policies.evaluation import episode_evaluation, exact_evaluation, mean_evaluation
+from active_perceiver.policies.hitting_times import exact_hitting_times
 from active_perceiver.policies.sampling import run_episode
-from active_perceiver.search import SearchEnv, SearchError, SearchTask
+from helpers.problems import random_table, toy_task
 
 
 @pytest.fixture(scope="module")
-def problem():
-    return toy_problem()
+def training_task():
+    return toy_task()
 
 
 @pytest.fixture(scope="module")
-def task(problem):
-    return problem.task
+def task(training_task):
+    return training_task.task
 
 
 def shortest_table(task):
@@ -51,8 +51,8 @@ def test_equals_dense_algebra(task, seed, sharpness, limit):
     starts = task.starts(0)
     chain = np.zeros((len(task), len(task)))
     for state in range(len(task)):
-        for action, following in enumerate(task.transitions[state]):
-            chain[state, following] += table[state, 0, action]
+        for action, next_states in enumerate(task.transitions[state]):
+            chain[state, next_states] += table[state, 0, action]
     inside = chain[np.ix_(starts, starts)]
     under_way = np.linalg.matrix_power(inside, limit)
     assert result.success == pytest.approx(1 - under_way.sum(1).mean(), abs=1e-5)
@@ -77,23 +77,23 @@ def test_agrees_with_many_episodes(task):
     assert 0.5 < exact.overall.success < 0.99, "the limit should cut some searches off"
 
 
-def test_episodes_do_what_the_environment_does(problem):
+def test_episodes_do_what_the_environment_does(training_task):
     """The paper's protocol as a plain loop over environment steps."""
-    task, limit, episodes = problem.task, 30, 150
+    task, limit, episodes = training_task.task, 30, 150
     table = random_table(task, 2)
-    env = SearchEnv(task=task, observations=problem.observations, max_steps=limit)
+    env = SearchEnv(task=task, observations=training_task.observations, max_steps=limit)
     rng = np.random.default_rng(0)
     found, lengths, spl = [], [], []
     env.reset(seed=0)
     for target in range(len(task.targets)):
         for _ in range(episodes):
             _, info = env.reset(options={"target": target})
-            shortest, count, ended, arrived = info["shortest"], 0, False, False
-            while not ended:
+            shortest, count, done, arrived = info["shortest"], 0, False, False
+            while not done:
                 chances = table[info["state"], target].astype(float)
                 action = rng.choice(len(task.actions), p=chances / chances.sum())
                 *_, arrived, late, info = env.step(action)
-                count, ended = count + 1, arrived or late
+                count, done = count + 1, arrived or late
             found.append(arrived)
             spl.append(shortest / count * arrived)
             lengths += [count] * arrived
@@ -103,12 +103,12 @@ def test_episodes_do_what_the_environment_does(problem):
     assert result.mean_steps == pytest.approx(np.mean(lengths), rel=0.15)
 
 
-def test_random_walk_is_a_policy(problem):
-    policy = RandomPolicy({"toy_0": problem.task.actions})
-    table = policy_table(policy, problem.observations, "toy_0")
-    assert table.shape == (*problem.task.goals.shape, 8)
+def test_random_walk_is_a_policy(training_task):
+    policy = RandomPolicy({"toy_0": training_task.task.actions})
+    table = policy_table(policy, training_task.observations, "toy_0")
+    assert table.shape == (*training_task.task.goals.shape, 8)
     assert (table == np.float32(1 / 8)).all()
-    assert exact_evaluation(table, problem.task).overall.ratio > 3
+    assert exact_evaluation(table, training_task.task).overall.ratio > 3
 
 
 def test_lost_searches_fail_but_do_not_count_as_starts():
@@ -142,7 +142,7 @@ def test_nothing_found_is_null_in_json():
 
 
 def test_probability_is_conserved(task):
-    arrivals = exact_arrivals(random_table(task, 3)[:, 1], task, 1)
+    arrivals = exact_hitting_times(random_table(task, 3)[:, 1], task, 1)
     np.testing.assert_allclose(arrivals.success, 1, atol=1e-4)
     assert arrivals.histogram.sum() == pytest.approx(arrivals.success.mean())
     assert (arrivals.steps >= arrivals.shortest - 1e-3).all()
@@ -150,7 +150,7 @@ def test_probability_is_conserved(task):
 
 
 def test_scenes_are_put_together_with_equal_weights_per_target(task):
-    other = toy_problem(1, targets=3).task
+    other = toy_task(1, targets=3).task
     first, second = exact_evaluation(random_table(task), task), exact_evaluation(random_table(other), other)
     both = mean_evaluation([first, second])
     assert both.per_target == first.per_target + second.per_target
@@ -200,4 +200,4 @@ def test_refuses_numbers_out_of_range(task):
     with pytest.raises(SearchError, match="no target 2"):
         run_episode(table, task, 2, 0)
     with pytest.raises(SearchError, match="no picture 9"):
-        policy_table(RandomPolicy({"a": ("x",)}), toy_problem().observations, "a", picture=9)
+        policy_table(RandomPolicy({"a": ("x",)}), toy_task().observations, "a", picture=9)

@@ -1,3 +1,3 @@
-from small import backbone, rng
+from helpers.small import backbone, rng
 
 __all__ = ["backbone", "rng"]

@@ -10,13 +10,13 @@ from active_perceiver.recognition import RecogniserError, detect_table
 from active_perceiver.recognition.metrics import RecognitionMetrics
 from active_perceiver.recognition.pairs import PairSampler
 from active_perceiver.vision import scene_features
-from toy import toy_scene
+from helpers.toy import toy_scene
 
 torch = pytest.importorskip("torch")
 
-from active_perceiver.recognition import training  # noqa: E402
+from active_perceiver.recognition import train as training  # noqa: E402
 from active_perceiver.recognition.cross_validation import CrossValidated, cross_validate  # noqa: E402
-from active_perceiver.recognition.training import CONFIGS, train_recogniser  # noqa: E402
+from active_perceiver.recognition.train import CONFIGS, train_recogniser  # noqa: E402
 
 FOLDS = 3
 SHORT = replace(CONFIGS["pooled"], steps=30, views=8, threads=1)

@@ -76,12 +76,12 @@ def test_ap50_agrees_with_pycocotools(rng):
         images = [{"id": i, "width": 1000, "height": 1000} for i in range(count)]
         coco.dataset = {"images": images, "annotations": annotations, "categories": [{"id": 1, "name": "x"}]}
         coco.createIndex()
-        judge = COCOeval(coco, coco.loadRes(detections), "bbox")
-        judge.params.iouThrs = np.array([0.5])
-        judge.params.recThrs = np.linspace(0, 1, 10_001)  # COCO's 101 points are coarser than the exact area
-        judge.evaluate()
-        judge.accumulate()
-    expected = judge.eval["precision"][0, :, 0, 0, 2].mean()
+        evaluate_pairs = COCOeval(coco, coco.loadRes(detections), "bbox")
+        evaluate_pairs.params.iouThrs = np.array([0.5])
+        evaluate_pairs.params.recThrs = np.linspace(0, 1, 10_001)  # COCO's 101 points are coarser than the exact area
+        evaluate_pairs.evaluate()
+        evaluate_pairs.accumulate()
+    expected = evaluate_pairs.eval["precision"][0, :, 0, 0, 2].mean()
     assert 0.3 < expected < 0.95
     assert RecognitionMetrics.of(scores, boxes, truth).ap50 == pytest.approx(expected, abs=0.002)
 

@@ -5,7 +5,7 @@ import pytest
 
 from active_perceiver.recognition import Detection, Recogniser, RecogniserError, detect_table
 from active_perceiver.vision import scene_features
-from toy import toy_scene
+from helpers.toy import toy_scene
 
 torch = pytest.importorskip("torch")
 
@@ -50,10 +50,10 @@ def test_onnx_is_torch(network, recogniser, rng):
 
 
 def test_many_targets_at_once_are_the_same_as_one_by_one(recogniser, rng):
-    views, codes = maps(rng, 3), recogniser.encode_target(maps(rng, 4))
-    scores, boxes = recogniser.detect_many(views, codes)
-    for index, code in enumerate(codes):
-        one_score, one_box = recogniser.detect(views, code)
+    views, embeddings = maps(rng, 3), recogniser.encode_target(maps(rng, 4))
+    scores, boxes = recogniser.detect_many(views, embeddings)
+    for index, embedding in enumerate(embeddings):
+        one_score, one_box = recogniser.detect(views, embedding)
         np.testing.assert_allclose(scores[:, index], one_score, atol=1e-5)
         np.testing.assert_allclose(boxes[:, index], one_box, atol=1e-5)
 
@@ -64,9 +64,9 @@ def test_what_is_stored(network, recogniser):
 
 
 def test_nothing_to_do(recogniser, rng):
-    codes = recogniser.encode_target(maps(rng, 0))
-    assert len(codes) == 0
-    scores, boxes = recogniser.detect_many(maps(rng, 2), codes)
+    embeddings = recogniser.encode_target(maps(rng, 0))
+    assert len(embeddings) == 0
+    scores, boxes = recogniser.detect_many(maps(rng, 2), embeddings)
     assert (scores.shape, boxes.shape) == ((2, 0), (2, 0, 4))
     assert recogniser.detect(maps(rng, 0), recogniser.encode_target(maps(rng, 1)))[0].shape == (0,)
 
@@ -95,8 +95,8 @@ def test_table(recogniser, backbone):
     calls = []
     scores, boxes = detect_table(recogniser, features, progress=lambda done, total: calls.append((done, total)))
     assert (scores.shape, boxes.shape) == ((12, 2, 4), (12, 2, 4, 4))
-    code = recogniser.encode_target(features.target_maps[1, 2:3])
-    one_score, one_box = recogniser.detect(features.view_maps, code)
+    embedding = recogniser.encode_target(features.target_maps[1, 2:3])
+    one_score, one_box = recogniser.detect(features.view_maps, embedding)
     np.testing.assert_allclose(scores[:, 1, 2], one_score, atol=1e-4)
     np.testing.assert_allclose(boxes[:, 1, 2], one_box, atol=1e-4)
     assert calls[-1] == (12, 12)
@@ -177,6 +177,6 @@ def test_target_codes_look_at_the_middle_of_the_picture():
     corner, middle = picture.clone(), picture.clone()
     corner[:, :, :6, :6] = other[:, :, :6, :6]
     middle[:, :, 7:13, 7:13] = other[:, :, 7:13, 7:13]
-    codes = [network.encode_target(network.prepare_target(maps)) for maps in (picture, corner, middle)]
-    around, within = (float((code - codes[0]).detach().norm()) for code in codes[1:])
+    embeddings = [network.encode_target(network.prepare_target(maps)) for maps in (picture, corner, middle)]
+    around, within = (float((embedding - embeddings[0]).detach().norm()) for embedding in embeddings[1:])
     assert around < 0.2 * within

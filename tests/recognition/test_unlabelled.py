@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from active_perceiver.recognition.pairs import UNJUDGED, Annotations, PairSampler, Split
+from active_perceiver.recognition.pairs import IGNORE_INDEX, Annotations, PairSampler, Split
 from active_perceiver.recognition.recogniser import RecogniserError
 from active_perceiver.scenes.scene import LABELLED, PROPOSED, UNLABELLED
 from active_perceiver.vision import scene_features
 
 torch = pytest.importorskip("torch")
 
-from active_perceiver.recognition.further import FurtherConfig  # noqa: E402
-from active_perceiver.recognition.training import RecogniserConfig, train_recogniser  # noqa: E402
+from active_perceiver.recognition.augmentation import AugmentationConfig  # noqa: E402
+from active_perceiver.recognition.train import RecogniserConfig, train_recogniser  # noqa: E402
 
-SHORT = RecogniserConfig(steps=4, views=8, threads=1, further=FurtherConfig(views=48, pictures=0, cut_outs=0))
+SHORT = RecogniserConfig(steps=4, views=8, threads=1, augmentation=AugmentationConfig(views=48, pictures=0, crops=0))
 
 
 def with_states(scene, states):
@@ -36,7 +36,7 @@ def half(scene):
 def test_they_are_not_judged_and_the_others_are_as_ever(scene, half):
     ours, all_labelled = Annotations.of([half], 0.003), Annotations.of([scene], 0.003)
     unlabelled = half.labels == UNLABELLED
-    assert (ours.states[unlabelled] == UNJUDGED).all()
+    assert (ours.states[unlabelled] == IGNORE_INDEX).all()
     np.testing.assert_array_equal(ours.states[~unlabelled], all_labelled.states[~unlabelled])
 
 
@@ -58,11 +58,11 @@ def test_no_batch_asks_about_them(half):
 
 def test_what_comes_out_does_not_depend_on_how_many_are_unlabelled_too(scene, half, backbone, monkeypatch):
     """Only labelled views are copied, and the metrics are of labelled views."""
-    from active_perceiver.recognition import further
+    from active_perceiver.recognition import augmentation
 
     copied = []
-    real = further.changed_view
-    monkeypatch.setattr(further, "changed_view", lambda image, *rest: copied.append(image) or real(image, *rest))
+    real = augmentation.changed_view
+    monkeypatch.setattr(augmentation, "changed_view", lambda image, *rest: copied.append(image) or real(image, *rest))
     result = train_recogniser([half], [scene_features(half, backbone)], SHORT, backbone=backbone)
     labelled = {half.view(view).tobytes() for view in np.flatnonzero(half.labels != UNLABELLED)}
     assert copied

@@ -8,27 +8,27 @@ import sys
 import numpy as np
 import pytest
 
-import thor_controller
-from active_perceiver.capturing.thor_scenes import capture_room
-from active_perceiver.cli import main
-from active_perceiver.experiments import robot_places
-from active_perceiver.experiments.robot_places import robot_at
+from active_perceiver.capture.thor_scenes import capture_room
+from active_perceiver.cli.main import main
+from active_perceiver.live import robot_factory
+from active_perceiver.live.robot_factory import robot_at
 from active_perceiver.robots import RecordedRobot, Robot
 from active_perceiver.robots.ai2thor import (
+    ThorConfig,
     ThorError,
     ThorRobot,
-    ThorSettings,
-    captured_settings,
+    captured_config,
     captured_source,
     event_pose,
     reachable_positions,
     start_controller,
 )
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action, load_scene, save_scene
-from thor_controller import StandIn
-from toy import STEP, toy_scene
+from helpers import thor_controller
+from helpers.thor_controller import StandIn
+from helpers.toy import STEP, toy_scene
 
-SETTINGS = ThorSettings(grid=STEP, image_size=48)
+SETTINGS = ThorConfig(grid=STEP, image_size=48)
 TYPES = ("Mug", "Apple", "Mug")
 WRITTEN = {"search.mp4", "report.html", "path.png", "final.png", "search.json"}
 needs_client = pytest.mark.skipif(
@@ -48,8 +48,8 @@ def test_it_is_a_robot_that_does_what_a_recorded_one_does(scene):
             assert robot.look().flags.c_contiguous
             assert robot.pose() == pytest.approx(recorded.pose(), abs=0.001)
             action = EIGHT_ACTIONS[rng.integers(8)]
-            robot.do(action)
-            recorded.do(action)
+            robot.execute(action)
+            recorded.execute(action)
         robot.stop()
         robot.stop()
         assert controller.stopped == 0
@@ -61,7 +61,7 @@ def test_actions_say_how_far(scene):
     robot = ThorRobot(controller, SETTINGS, start=1)  # heading 0, tilt 0
     controller.steps.clear()
     for action in (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.LOOK_UP, Action.LOOK_UP, Action.LOOK_DOWN):
-        robot.do(action)
+        robot.execute(action)
     # The second look up would leave the tilts that the policy knows.
     assert controller.steps == [
         ("MoveAhead", {"moveMagnitude": STEP}), ("RotateLeft", {"degrees": 90.0}), ("LookUp", {"degrees": 30.0}),
@@ -74,7 +74,7 @@ def test_a_blocked_move_leaves_it_where_it_is(scene):
     state = int(np.flatnonzero(scene.transitions[:, column] == np.arange(len(scene)))[0])
     robot = ThorRobot(StandIn(scene, TYPES), SETTINGS, start=state)
     before = robot.pose()
-    robot.do(Action.MOVE_AHEAD)
+    robot.execute(Action.MOVE_AHEAD)
     assert robot.pose() == before
     np.testing.assert_array_equal(robot.look(), scene.view(state))
 
@@ -99,14 +99,14 @@ def test_the_same_seed_gives_the_same_start_and_others_are_tried(scene):
 def test_what_it_may_not_do_is_refused(scene):
     robot = ThorRobot(StandIn(scene, TYPES), SETTINGS, actions=TURTLEBOT_ACTIONS)
     with pytest.raises(ThorError, match="has no action MoveLeft"):
-        robot.do(Action.MOVE_LEFT)
+        robot.execute(Action.MOVE_LEFT)
 
 
 def test_a_crash_of_the_simulator_is_a_sentence(scene):
     robot = ThorRobot(StandIn(scene, TYPES, fails_after=3), SETTINGS, start=0)
-    robot.do(Action.ROTATE_LEFT)
+    robot.execute(Action.ROTATE_LEFT)
     with pytest.raises(ThorError, match=r"AI2-THOR failed at RotateLeft \(Error encountered"):
-        robot.do(Action.ROTATE_LEFT)
+        robot.execute(Action.ROTATE_LEFT)
 
 
 def test_a_room_without_reachable_positions_is_refused(scene):
@@ -139,15 +139,15 @@ def test_the_settings_of_a_captured_scene_are_found_again(scene, tmp_path):
     capture_room(
         "FloorPlan212", tmp_path / "a.h5", SETTINGS, types=TYPES, start=lambda *_: StandIn(toy_scene(side=2), TYPES)
     )
-    assert captured_settings(load_scene(tmp_path / "a.h5")) == ("FloorPlan212", SETTINGS)
+    assert captured_config(load_scene(tmp_path / "a.h5")) == ("FloorPlan212", SETTINGS)
     with pytest.raises(ThorError, match="was not captured in AI2-THOR; search in it as --robot scene:FILE"):
-        captured_settings(scene)
+        captured_config(scene)
 
 
 @pytest.mark.skipif(thor_controller.ai2thor is not None, reason="ai2thor is installed")
 def test_without_the_client_an_error_says_what_to_install():
     with pytest.raises(ThorError, match=re.escape("pip install 'active-perceiver[thor]'")):
-        start_controller("FloorPlan1", ThorSettings())
+        start_controller("FloorPlan1", ThorConfig())
 
 
 @needs_client
@@ -162,7 +162,7 @@ def test_a_simulator_that_does_not_start_is_a_sentence_with_a_remedy(monkeypatch
     monkeypatch.setattr("ai2thor.controller.Controller", Broken)
     monkeypatch.delenv("DISPLAY", raising=False)
     with pytest.raises(ThorError, match=r"no build exists for arch=Linux\).*libvulkan1"):
-        start_controller("FloorPlan1", ThorSettings(turn=45.0))
+        start_controller("FloorPlan1", ThorConfig(turn=45.0))
     assert (asked["width"], asked["height"], asked["fieldOfView"]) == (300, 300, 75.0)
     assert (asked["gridSize"], asked["rotateStepDegrees"], asked["snapToGrid"]) == (0.25, 45.0, False)
     assert asked["renderInstanceSegmentation"] is True
@@ -172,14 +172,14 @@ def test_a_simulator_that_does_not_start_is_a_sentence_with_a_remedy(monkeypatch
 @pytest.mark.xdist_group("agent")
 def test_search_finds_in_it(scene, agent_folder, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
-        robot_places, "start_controller", lambda room, settings: started.append(StandIn(scene, TYPES)) or started[-1]
+        robot_factory, "start_controller", lambda room, settings: started.append(StandIn(scene, TYPES)) or started[-1]
     )
     started = []
     picture = tmp_path / "ball.png"
     picture.write_bytes(scene.targets[0].pictures[0])
     code = main(
         ["search", str(agent_folder), "--picture", str(picture), "--robot", f"thor:{captured(scene, tmp_path)}",
-         "--branch", "toy_0", "--seed", "3", "--out", str(tmp_path / "run")]
+         "--scene", "toy_0", "--seed", "3", "--out", str(tmp_path / "run")]
     )  # fmt: skip
     said = capsys.readouterr().out
     assert code == 0
@@ -203,11 +203,11 @@ def test_search_without_a_scene_file_needs_no_floor_plan(agent_folder, tmp_path,
     quarter = toy_scene()
     moved = np.array([0.25 / STEP, 0.25 / STEP, 1, 1], np.float32)
     quarter.poses[:] = quarter.poses * moved
-    monkeypatch.setattr(robot_places, "start_controller", lambda room, settings: StandIn(quarter, TYPES))
+    monkeypatch.setattr(robot_factory, "start_controller", lambda room, settings: StandIn(quarter, TYPES))
     picture = tmp_path / "ball.png"
     picture.write_bytes(quarter.targets[1].pictures[0])
     main(
-        ["search", str(agent_folder), "--picture", str(picture), "--robot", "thor:FloorPlan1", "--branch", "toy_0",
+        ["search", str(agent_folder), "--picture", str(picture), "--robot", "thor:FloorPlan1", "--scene", "toy_0",
          "--max-steps", "5", "--seed", "0", "--out", str(tmp_path / "run")]
     )  # fmt: skip
     assert "in FloorPlan1, from x " in capsys.readouterr().out
@@ -216,7 +216,7 @@ def test_search_without_a_scene_file_needs_no_floor_plan(agent_folder, tmp_path,
 
 def test_a_robot_that_cannot_begin_ends_the_simulator(scene, monkeypatch):
     controller = StandIn(scene, TYPES, blocked=range(len(scene)))
-    monkeypatch.setattr(robot_places, "start_controller", lambda room, settings: controller)
+    monkeypatch.setattr(robot_factory, "start_controller", lambda room, settings: controller)
     with pytest.raises(ThorError, match="could not be put"):
         robot_at("thor:FloorPlan1", lambda name: EIGHT_ACTIONS)
     assert controller.stopped == 1

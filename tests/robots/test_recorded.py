@@ -6,7 +6,7 @@ import pytest
 from active_perceiver.errors import UserError
 from active_perceiver.robots import RecordedRobot, Robot
 from active_perceiver.scenes import TURTLEBOT_ACTIONS, Action
-from toy import toy_scene
+from helpers.toy import toy_scene
 
 
 def test_it_is_a_robot_that_walks_the_transitions(scene):
@@ -16,7 +16,7 @@ def test_it_is_a_robot_that_walks_the_transitions(scene):
         assert robot.pose() == pytest.approx(tuple(scene.poses[7]))
         for action in scene.actions:
             before = robot.state
-            robot.do(action)
+            robot.execute(action)
             assert robot.state == scene.transitions[before, scene.actions.index(action)]
 
 
@@ -35,4 +35,4 @@ def test_a_start_that_is_no_state_is_refused(scene, start):
 def test_an_action_the_scene_does_not_have_is_refused():
     robot = RecordedRobot(toy_scene(side=2, actions=TURTLEBOT_ACTIONS), start=0)
     with pytest.raises(UserError, match="has no action MoveLeft"):
-        robot.do(Action.MOVE_LEFT)
+        robot.execute(Action.MOVE_LEFT)

@@ -7,14 +7,14 @@ import pytest
 
 from active_perceiver.errors import UserError
 from active_perceiver.robots import RecordedRobot, Robot
-from active_perceiver.robots.ai2thor import ThorRobot, ThorSettings
-from active_perceiver.robots.ros_settings import ACTIONS
-from active_perceiver.robots.rosbridge import RosRobot
+from active_perceiver.robots.ai2thor import ThorConfig, ThorRobot
+from active_perceiver.robots.ros.config import ACTIONS
+from active_perceiver.robots.ros.robot import RosRobot
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action
-from bridge import SETTINGS, served, view, with_
-from simulated_place import simulated
-from thor_controller import StandIn
-from toy import STEP, toy_scene
+from helpers.bridge import SETTINGS, served, view, with_
+from helpers.simulated_place import simulated
+from helpers.thor_controller import StandIn
+from helpers.toy import STEP, toy_scene
 
 LEVEL = 3 * 4 * 5 + 1  # a state of the toy scene
 
@@ -29,7 +29,7 @@ def striped(x, z, heading, tilt):
 def behind_rosbridge(actions, ends):
     (name,) = (name for name, known in ACTIONS.items() if known == actions)
     # Patient, as the machine may have other things to do: faults are tested elsewhere.
-    patience = {"camera": {"stale": 5.0}, "limits": {"odometry_age": 5.0, "stall": 2.0, "seconds": 60.0}}
+    patience = {"camera": {"max_image_age": 5.0}, "limits": {"odometry_age": 5.0, "stall": 2.0, "seconds": 60.0}}
     settings = with_(SETTINGS, actions=name, step=0.25, tilt={"seconds": 0.1}, settle=0.05, **patience)
     bridge = ends.enter_context(served(settings, free=lambda x, z: z < 0.35, camera=striped))
     return RosRobot(bridge.url, settings)
@@ -41,7 +41,7 @@ MAKERS = {
     "recorded": lambda actions, ends: RecordedRobot(toy_scene(actions=actions), start=LEVEL),
     "simulated": lambda actions, ends: simulated(actions=actions),
     "ai2thor": lambda actions, ends: ThorRobot(
-        StandIn(toy_scene(), ("Mug", "Apple", "Mug")), ThorSettings(grid=STEP, image_size=48), actions, start=LEVEL
+        StandIn(toy_scene(), ("Mug", "Apple", "Mug")), ThorConfig(grid=STEP, image_size=48), actions, start=LEVEL
     ),
     "ros": behind_rosbridge,
 }
@@ -98,10 +98,10 @@ def test_it_looks(make):
 def test_what_it_does_it_says_and_can_undo(make, exactness, there, back):
     with make(EIGHT_ACTIONS) as robot:
         before, seen = robot.pose(), robot.look()
-        assert robot.do(there) is True
+        assert robot.execute(there) is True
         assert not same(robot.pose(), before, exactness)
         assert (robot.look() != seen).any()
-        assert robot.do(back) is True
+        assert robot.execute(back) is True
         assert same(robot.pose(), before, exactness)
 
 
@@ -109,7 +109,7 @@ def test_four_turns_come_round(make, exactness):
     with make(EIGHT_ACTIONS) as robot:
         before = robot.pose()
         for turn in range(1, 5):
-            assert robot.do(Action.ROTATE_RIGHT)
+            assert robot.execute(Action.ROTATE_RIGHT)
             turned = off(robot.pose(), before)[1]
             assert turned == pytest.approx(min(90 * turn, 360 - 90 * turn), abs=exactness[1])
         assert same(robot.pose(), before, exactness)
@@ -119,7 +119,7 @@ def test_what_is_blocked_changes_nothing(make, exactness):
     with make(EIGHT_ACTIONS) as robot:
         for _ in range(30):
             before = robot.pose()
-            if not robot.do(Action.MOVE_AHEAD):
+            if not robot.execute(Action.MOVE_AHEAD):
                 break
         else:
             pytest.fail("it drove on for ever")
@@ -128,10 +128,10 @@ def test_what_is_blocked_changes_nothing(make, exactness):
 
 def test_a_look_beyond_the_outermost_changes_nothing(make):
     with make(EIGHT_ACTIONS) as robot:
-        while robot.do(Action.LOOK_UP):
+        while robot.execute(Action.LOOK_UP):
             pass
         before = robot.pose()
-        assert robot.do(Action.LOOK_UP) is False
+        assert robot.execute(Action.LOOK_UP) is False
         assert robot.pose() == before
 
 
@@ -140,7 +140,7 @@ def test_it_refuses_what_it_may_not_do(make):
         assert robot.actions == TURTLEBOT_ACTIONS
         before = robot.pose()
         with pytest.raises(UserError, match="has no action MoveLeft"):
-            robot.do(Action.MOVE_LEFT)
+            robot.execute(Action.MOVE_LEFT)
         assert robot.pose() == before
 
 
@@ -148,7 +148,7 @@ def test_it_can_be_stopped_at_any_time(make):
     robot = make(EIGHT_ACTIONS)
     robot.stop()
     with robot:
-        robot.do(Action.ROTATE_LEFT)
+        robot.execute(Action.ROTATE_LEFT)
         robot.stop()
         robot.stop()
     with pytest.raises(ZeroDivisionError), robot:

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from active_perceiver.rooms.capturing.capture_settings import DEFAULT_SETTINGS, CaptureSettings
-from active_perceiver.rooms.free_space import free_positions
+from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, bundled_names, open_scene
 from active_perceiver.scenes.bundled import TARGETS_OF_RECORD, scene_path
-from active_perceiver.scenes.checking import scene_problems
+from active_perceiver.scenes.checking import scene_issues
 from active_perceiver.scenes.lattice import goal_states, islands, steps_to_goal
+from indoor_rooms.free_space import free_positions
 from made_rooms import made_room, together
 
 # Of which room each scene was made.
@@ -32,7 +32,7 @@ def test_there_are_five_and_together_they_are_under_30_megabytes():
 
 
 def test_it_is_sound_and_bears_its_file_s_name(bundled):
-    assert not any(problem.fatal for problem in scene_problems(bundled))
+    assert not any(problem.fatal for problem in scene_issues(bundled))
     assert bundled.name in bundled_names()
 
 
@@ -70,7 +70,7 @@ def test_target_pictures_are_split_and_all_different(bundled):
 
 def test_its_places_and_targets_are_those_of_the_room_it_was_rendered_from(bundled):
     layout, seed = ROOMS[bundled.name]
-    room, settings = made_room(layout, seed), DEFAULT_SETTINGS.get(layout, CaptureSettings())
+    room, settings = made_room(layout, seed), DEFAULT_CONFIGS.get(layout, CaptureConfig())
     assert tuple(room.targets) == bundled.target_names
     places = np.unique(bundled.poses[:, :2], axis=0)
     expected = free_positions(room, settings.spacing, settings.robot_radius, settings.places)

@@ -5,16 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
-from active_perceiver.cli import main
+from active_perceiver.cli.main import main
+from active_perceiver.envs.task import SearchTask
 from active_perceiver.scenes import save_scene
-from active_perceiver.scenes.checking import scene_problems
+from active_perceiver.scenes.checking import scene_issues
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.lattice import MOVE_DIRECTION
-from active_perceiver.search.task import SearchTask
 
 
 def texts(scene, fatal=None):
-    return [problem.text for problem in scene_problems(scene) if fatal is None or problem.fatal == fatal]
+    return [problem.text for problem in scene_issues(scene) if fatal is None or problem.fatal == fatal]
 
 
 def test_a_sound_scene_has_no_problems(scene):
@@ -43,7 +43,7 @@ def test_many_islands_are_a_finding_with_a_remedy_but_can_be_searched(scene, tmp
     moves = [column for column, action in enumerate(scene.actions) if action in MOVE_DIRECTION]
     transitions[:, moves] = np.arange(len(scene))[:, None]
     divided = dataclasses.replace(scene, transitions=transitions)
-    (islands,) = (problem for problem in scene_problems(divided) if "islands" in problem.text)
+    (islands,) = (problem for problem in scene_issues(divided) if "islands" in problem.text)
     assert not islands.fatal
     assert islands.text.startswith("the states fall into 16 islands of 12, 12, 12, 12, 12 ... states")
     assert "moves.csv" in islands.text
@@ -90,7 +90,7 @@ def test_copied_broken_and_odd_views_are_counted(scene):
     views[5] = views[6] = views[7]
     views[9] = b"broken"
     views[10] = encode_image(np.zeros((10, 20, 3), np.uint8), "png")
-    found = scene_problems(dataclasses.replace(scene, views=tuple(views)))
+    found = scene_issues(dataclasses.replace(scene, views=tuple(views)))
     assert any("2 views are exact copies" in problem.text and not problem.fatal for problem in found)
     assert any("1 views cannot be decoded" in problem.text and problem.fatal for problem in found)
     assert any("1 views are not 48 x 48" in problem.text for problem in found)

@@ -9,21 +9,21 @@ import pytest
 import torch
 from gymnasium.utils.env_checker import check_env
 
-from active_perceiver.experiments.scene_report import describe
+from active_perceiver.envs import Observations, SearchTask, SearchVectorEnv
 from active_perceiver.figures.contact_sheet import contact_sheet
 from active_perceiver.figures.entropy_map import entropy_maps, lattice_spacing
 from active_perceiver.figures.floor import figure_image, trajectory_figure
 from active_perceiver.policies.config import DistilConfig
 from active_perceiver.policies.evaluation import exact_evaluation
 from active_perceiver.policies.learners import LEARNERS
-from active_perceiver.policies.problem import Problem
+from active_perceiver.policies.training_task import TrainingTask
+from active_perceiver.reports.scene_report import describe
 from active_perceiver.robots.recorded import RecordedRobot
 from active_perceiver.scenes import Action, Scene, load_scene, save_scene
-from active_perceiver.scenes.checking import scene_problems
+from active_perceiver.scenes.checking import scene_issues
 from active_perceiver.scenes.lattice import shortest_path, steps_to_goal
-from active_perceiver.search import Observations, SearchTask, SearchVectorEnv
-from foreign import AVD_ACTIONS, ZHU_ORDER, savn_scene
-from toy import toy_scene
+from helpers.foreign import AVD_ACTIONS, ZHU_ORDER, savn_scene
+from helpers.toy import toy_scene
 
 KINDS = {
     "as in Zhu: four actions, no tilt": {"actions": ZHU_ORDER, "tilts": (0.0,)},
@@ -56,7 +56,7 @@ def test_it_is_sound_and_is_read_as_it_was_written(scene, tmp_path):
     again = load_scene(tmp_path / "scene.h5")
     assert again.actions == scene.actions
     np.testing.assert_array_equal(again.transitions, scene.transitions)
-    assert not [problem for problem in scene_problems(again) if problem.fatal]
+    assert not [training_task for training_task in scene_issues(again) if training_task.fatal]
 
 
 def test_what_is_said_of_it_counts_its_own_headings(scene):
@@ -96,7 +96,7 @@ def test_a_recorded_robot_walks_a_shortest_path(scene, task):
     assert robot.actions == scene.actions
     path = shortest_path(scene.transitions, task.goals[:, 0], start)
     for after in path[1:]:
-        robot.do(scene.actions[int(np.flatnonzero(scene.transitions[robot.state] == after)[0])])
+        robot.execute(scene.actions[int(np.flatnonzero(scene.transitions[robot.state] == after)[0])])
     assert task.goals[robot.state, 0]
     assert len(path) - 1 == steps_to_goal(scene.transitions, task.goals[:, 0])[start]
 
@@ -125,7 +125,7 @@ def test_arrows_at_the_edge_of_a_scene_without_a_plan_are_whole(scene):
 def test_a_policy_is_trained_in_it(scene, task):
     torch.set_num_threads(1)
     config = DistilConfig(seed=0, iterations=60, seconds=8.0)
-    _, history = LEARNERS["distil"].train([Problem(task, _observations(scene))], config)
+    _, history = LEARNERS["distil"].train([TrainingTask(task, _observations(scene))], config)
     assert history[-1]["success"] > 0.95
 
 

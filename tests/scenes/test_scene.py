@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from active_perceiver.scenes import Scene, SceneError, Target
-from toy import toy_scene
+from helpers.toy import toy_scene
 
 
 def changed(scene: Scene, field: str, where, value) -> dict:

@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
-from active_perceiver.files import replacing
 from active_perceiver.scenes import SceneError, load_scene, open_scene, save_scene
+from active_perceiver.utils.files import replacing
 
 
 @pytest.fixture

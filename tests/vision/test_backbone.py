@@ -8,7 +8,7 @@ import pytest
 from active_perceiver.vision import BACKBONES, BackboneError, load_backbone, pooled
 from active_perceiver.vision.backbone import Backbone
 from active_perceiver.vision.sessions import ModelFileError
-from small import SIZE
+from helpers.small import SIZE
 
 torch = pytest.importorskip("torch")
 

@@ -9,7 +9,7 @@ from active_perceiver.errors import UserError
 from active_perceiver.scenes import Scene
 from active_perceiver.vision import pooled, scene_features
 from active_perceiver.vision.cache import SceneFeatures
-from toy import toy_scene
+from helpers.toy import toy_scene
 
 
 @pytest.fixture

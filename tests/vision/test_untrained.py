@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from active_perceiver.vision import BACKBONES, Backbone, BackboneError
-from small import SIZE
+from helpers.small import SIZE
 
 torch = pytest.importorskip("torch")
 from active_perceiver.vision.untrained import TRUNKS, save_untrained_backbone, untrained_trunk  # noqa: E402

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from active_perceiver.rooms.engine.camera import render
-from active_perceiver.rooms.engine.lighting import bake
 from active_perceiver.vision.viewpoint_changes import from_nearby, turned
 from box_room import box_room
+from indoor_rooms.renderer.camera import render
+from indoor_rooms.renderer.lighting import bake
 
 PLACE, SIZE, FOV = (1.5, 1.5, 1.2), 64, 75.0
 

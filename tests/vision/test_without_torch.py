@@ -15,7 +15,7 @@ class NoTorch:
 sys.meta_path.insert(0, NoTorch())
 import numpy as np
 import active_perceiver.recognition, active_perceiver.vision
-from active_perceiver.vision import BackboneError, load_backbone
+from active_perceiver.vision import (BackboneError, load_backbone)
 try:
     load_backbone()
 except BackboneError as error:

@@ -9,16 +9,16 @@ from PIL import Image, ImageDraw
 from active_perceiver.figures.annotate import draw_detection
 from active_perceiver.figures.floor import figure_image, trajectory_figure
 from active_perceiver.figures.style import INK, font
-from active_perceiver.robots.searching import SearchRecord
+from active_perceiver.live.search_loop import SearchRecord
 from active_perceiver.scenes import Scene
 from active_perceiver.scenes.images import square_image
 
 TILE, GAP, CAPTION = 260, 10, 30
 
 
-def key_glimpses(record: SearchRecord, count: int) -> list[int]:
-    """Numbers of `count` glimpses that tell the story: evenly spread, the first and the last among them."""
-    return sorted({round(at) for at in np.linspace(0, len(record.glimpses) - 1, count)})
+def key_steps(record: SearchRecord, count: int) -> list[int]:
+    """Numbers of `count` steps that tell the story: evenly spread, the first and the last among them."""
+    return sorted({round(at) for at in np.linspace(0, len(record.step_records) - 1, count)})
 
 
 def filmstrip(record: SearchRecord, scene: Scene, label: str, views: int = 4) -> NDArray[np.uint8]:
@@ -34,12 +34,15 @@ def filmstrip(record: SearchRecord, scene: Scene, label: str, views: int = 4) ->
         (H, W, 3) uint8.
     """
     tiles = [(square_image(record.picture, TILE), f"find this {label.replace('_', ' ')}")]
-    for index in key_glimpses(record, views):
-        glimpse = record.glimpses[index]
+    for index in key_steps(record, views):
+        step_record = record.step_records[index]
         tiles.append(
-            (draw_detection(glimpse.image, glimpse.step.detection, label, TILE), f"{index}: {record.caption(index)}")
+            (
+                draw_detection(step_record.image, step_record.step.detection, label, TILE),
+                f"{index}: {record.caption(index)}",
+            )
         )
-    poses = np.array([glimpse.pose for glimpse in record.glimpses if glimpse.pose is not None])
+    poses = np.array([step_record.pose for step_record in record.step_records if step_record.pose is not None])
     plan = figure_image(trajectory_figure(scene, [poses]))
     tiles.append((square_image(plan, TILE), f"the path, {record.actions} actions"))
     strip = Image.new("RGB", (len(tiles) * (TILE + GAP) + GAP, TILE + CAPTION + 2 * GAP), "white")

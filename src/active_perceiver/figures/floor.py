@@ -6,7 +6,6 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from active_perceiver.figures.style import FLOOR, GOAL, INK, MUTED, OBSTACLE, OBSTACLE_EDGE, PATHS, START
-from active_perceiver.scenes import FloorPlan
+from active_perceiver.scenes.floor_plan import HasFloorPlan
 
 PANELS_PER_ROW = 4
 # Metres between two searches drawn on the same lattice edge, and between the first and the last of many.
@@ -26,20 +25,6 @@ _APART, _SPREAD = 0.05, 0.22
 _AROUND = 0.3
 # Half the width in metres of what is shown, at least, around a path in a room of which nothing is known.
 _LEAST_HALF = 1.0
-
-
-class Room(Protocol):
-    """What is drawn of a room; a `Scene` has it."""
-
-    @property
-    def poses(self) -> NDArray[np.floating]:
-        """(S, 4): x, z in metres of where a robot can stand; heading and tilt."""
-        ...
-
-    @property
-    def floor_plan(self) -> FloorPlan | None:
-        """Walls and obstacles, if known."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +42,7 @@ class SearchPanel:
     goals: NDArray[np.bool_] | None = None
 
 
-def draw_room(axes: Axes, room: Room | None, paths: Sequence[ArrayLike]) -> None:
+def draw_room(axes: Axes, room: HasFloorPlan | None, paths: Sequence[ArrayLike]) -> None:
     """Draw the room of searches: its floor, or, where nothing is known of it, a grid of metres around the paths.
 
     Args:
@@ -82,7 +67,7 @@ def draw_room(axes: Axes, room: Room | None, paths: Sequence[ArrayLike]) -> None
         spine.set_color(OBSTACLE_EDGE)
 
 
-def draw_floor(axes: Axes, scene: Room, details: bool = True) -> None:
+def draw_floor(axes: Axes, scene: HasFloorPlan, details: bool = True) -> None:
     """Draw the floor plan, or just the places if the scene has no plan, in metres.
 
     Args:
@@ -166,7 +151,7 @@ def _fan_out(poses: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 def trajectory_figure(
-    scene: Room | None, paths: Sequence[ArrayLike], goals: NDArray[np.bool_] | None = None, title: str = ""
+    scene: HasFloorPlan | None, paths: Sequence[ArrayLike], goals: NDArray[np.bool_] | None = None, title: str = ""
 ) -> Figure:
     """One floor plan with goal states (green arrows) and paths (blue, from an orange start).
 
@@ -181,7 +166,7 @@ def trajectory_figure(
     return figure
 
 
-def trajectory_panels(scene: Room, panels: Sequence[SearchPanel], title: str = "") -> Figure:
+def trajectory_panels(scene: HasFloorPlan, panels: Sequence[SearchPanel], title: str = "") -> Figure:
     """Several floor plans of one room side by side, up to four in a row, for instance one for each target.
 
     Args:
@@ -208,7 +193,7 @@ def trajectory_panels(scene: Room, panels: Sequence[SearchPanel], title: str = "
     return figure
 
 
-def panel_size(scene: Room, longest: float) -> tuple[float, float]:
+def panel_size(scene: HasFloorPlan, longest: float) -> tuple[float, float]:
     """Width and height in inches of a plan whose longer side is `longest`; a very narrow room gets some margin."""
     plan = scene.floor_plan
     extent = np.ptp(scene.poses[:, :2] if plan is None else plan.outline, axis=0).astype(float)
@@ -217,7 +202,7 @@ def panel_size(scene: Room, longest: float) -> tuple[float, float]:
     return width, height
 
 
-def _draw_panel(axes: Axes, scene: Room | None, panel: SearchPanel) -> None:
+def _draw_panel(axes: Axes, scene: HasFloorPlan | None, panel: SearchPanel) -> None:
     draw_room(axes, scene, panel.paths)
     if scene is not None and panel.goals is not None:
         if np.shape(panel.goals) != (len(scene.poses),):

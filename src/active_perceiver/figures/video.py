@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from active_perceiver.figures.annotate import draw_detection
-from active_perceiver.figures.floor import Room, draw_path, draw_room
+from active_perceiver.figures.floor import draw_path, draw_room
 from active_perceiver.figures.style import GOAL, INK, MUTED, fitting, font
-from active_perceiver.files import replacing
-from active_perceiver.progress import Report, quiet
-from active_perceiver.robots.searching import SearchRecord
+from active_perceiver.live.search_loop import SearchRecord
+from active_perceiver.scenes.floor_plan import HasFloorPlan
 from active_perceiver.scenes.images import square_image
+from active_perceiver.utils.files import replacing
+from active_perceiver.utils.progress import ProgressCallback, quiet
 
 VIEW, SIDE = 640, 480  # sizes in pixels; multiples of 16, which the video codec wants
 PICTURE, PLAN = 144, 480
@@ -28,8 +29,8 @@ LAST_FRAME_SECONDS = 2.0
 Pose = tuple[float, float, float, float]
 
 
-def search_frames(record: SearchRecord, room: Room | None, label: str) -> Iterator[NDArray[np.uint8]]:
-    """One (640, 1120, 3) uint8 frame for each glimpse of a search.
+def search_frames(record: SearchRecord, room: HasFloorPlan | None, label: str) -> Iterator[NDArray[np.uint8]]:
+    """One (640, 1120, 3) uint8 frame for each step of a search.
 
     Args:
         record: the search.
@@ -37,20 +38,22 @@ def search_frames(record: SearchRecord, room: Room | None, label: str) -> Iterat
         label: name of what is searched.
     """
     picture = Image.fromarray(square_image(record.picture, PICTURE))
-    poses = [glimpse.pose for glimpse in record.glimpses]
+    poses = [step_record.pose for step_record in record.step_records]
     whole = [pose for pose in poses if pose is not None]
     plan = _Plan(room, whole) if whole else None
-    for index, glimpse in enumerate(record.glimpses):
+    for index, step_record in enumerate(record.step_records):
         frame = Image.new("RGB", (VIEW + SIDE, VIEW), "white")
-        frame.paste(Image.fromarray(draw_detection(glimpse.image, glimpse.step.detection, label, VIEW)), (0, 0))
+        frame.paste(
+            Image.fromarray(draw_detection(step_record.image, step_record.step.detection, label, VIEW)), (0, 0)
+        )
         frame.paste(picture, (VIEW + 8, 8))
         draw = ImageDraw.Draw(frame)
         x = VIEW + PICTURE + 24
-        last = index == len(record.glimpses) - 1
-        done = glimpse.step.found and (last or record.dry_run)
+        last = index == len(record.step_records) - 1
+        done = step_record.step.found and (last or record.dry_run)
         count = f"look {index + 1}" if record.dry_run else f"action {index}"
         draw.text((x, 14), fitting(f"searching: {label}", SIDE - PICTURE - 32, 24), fill=INK, font=font(24))
-        draw.text((x, 54), f"{count}, {glimpse.seconds:.1f} s", fill=MUTED, font=font(20))
+        draw.text((x, 54), f"{count}, {step_record.seconds:.1f} s", fill=MUTED, font=font(20))
         draw.text((x, 88), record.caption(index), fill=GOAL if done else INK, font=font(28))
         path = [pose for pose in poses[: index + 1] if pose is not None]
         if plan is not None and path:
@@ -66,7 +69,7 @@ class _Plan:
         whole: the whole path, which fits in.
     """
 
-    def __init__(self, room: Room | None, whole: list[Pose]) -> None:
+    def __init__(self, room: HasFloorPlan | None, whole: list[Pose]) -> None:
         figure = Figure(figsize=(PLAN / 100, PLAN / 100), dpi=100)
         self._canvas = FigureCanvasAgg(figure)
         self._axes = figure.add_axes((0.02, 0.02, 0.96, 0.96) if room is not None else (0.13, 0.1, 0.84, 0.84))
@@ -92,11 +95,11 @@ class _Plan:
 def write_video(
     record: SearchRecord,
     path: Path,
-    room: Room | None,
+    room: HasFloorPlan | None,
     label: str,
     *,
     force: bool = False,
-    report: Report = quiet,
+    report: ProgressCallback = quiet,
 ) -> None:
     """Write a search as an MP4 that browsers play.
 
@@ -121,7 +124,7 @@ def write_video(
             for number, frame in enumerate(search_frames(record, room, label), 1):
                 pixels = np.ascontiguousarray(frame)
                 writer.send(pixels)
-                report(number, len(record.glimpses))
+                report(number, len(record.step_records))
             for _ in range(round(LAST_FRAME_SECONDS * FRAMES_PER_SECOND)):
                 writer.send(pixels)
         finally:

@@ -15,9 +15,9 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from active_perceiver.files import flush_folder
 from active_perceiver.labelling.view_labels import LabelError, ViewLabels
 from active_perceiver.scenes.scene import Scene
+from active_perceiver.utils.files import flush_folder
 
 try:
     import fcntl

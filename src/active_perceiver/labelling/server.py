@@ -13,8 +13,8 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from active_perceiver.errors import UserError
-from active_perceiver.labelling.answering import Handler
-from active_perceiver.labelling.saving import Labelling
+from active_perceiver.labelling.answers import Handler
+from active_perceiver.labelling.label_store import Labelling
 from active_perceiver.scenes import decode_image
 from active_perceiver.scenes.images import encode_image, square_image
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from active_perceiver.errors import UserError
-from active_perceiver.scenes.labelling import label_states, with_boxes
+from active_perceiver.scenes.box_labels import label_states, with_boxes
 from active_perceiver.scenes.scene import BOX_TOLERANCE, LABELLED, PROPOSED, UNLABELLED, Scene
 
 Box = tuple[float, float, float, float]

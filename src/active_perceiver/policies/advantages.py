@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from active_perceiver.policies.chain import policy_chain
-from active_perceiver.search.rewards import Reward
-from active_perceiver.search.task import SearchTask
+from active_perceiver.envs.rewards import Reward
+from active_perceiver.envs.task import SearchTask
+from active_perceiver.policies.markov_chain import markov_chain
 
 
 def exact_advantages(
@@ -34,13 +34,13 @@ def exact_advantages(
     for target in range(len(task.targets)):
         probabilities = table[:, target].astype(np.float64)
         areas, goals = task.areas[task.transitions, target], task.goals[task.transitions, target]
-        paid = reward.function(areas, np.zeros_like(areas), goals, task.goal_areas[target]) / reward.largest(task)
+        rewards = reward.function(areas, np.zeros_like(areas), goals, task.goal_areas[target]) / reward.largest(task)
         searching = ~task.goals[:, target]
-        chain = policy_chain(task, probabilities, searching)
-        expected = (probabilities * paid).sum(axis=1)[searching]
+        chain = markov_chain(task, probabilities, searching)
+        expected = (probabilities * rewards).sum(axis=1)[searching]
         values = np.zeros(len(task))
         values[searching] = _solve(chain, gamma, expected)
-        action_values = paid + gamma * values[task.transitions]
+        action_values = rewards + gamma * values[task.transitions]
         advantages[:, target] = action_values - (probabilities * action_values).sum(axis=1, keepdims=True)
     return advantages
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from active_perceiver.envs.rewards import REWARDS, Reward, reward_named
 from active_perceiver.errors import SearchError
-from active_perceiver.search.rewards import REWARDS, Reward, reward_named
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,13 +136,13 @@ class PpoConfig(RewardConfig):
 
     iterations: int = 80
     """Most iterations: rounds of rollouts and fitting the network to them."""
-    searches: int = 1024
+    num_envs: int = 1024
     """Searches that run side by side, over all scenes."""
-    rollout_steps: int = 32
+    num_steps: int = 32
     """Steps of each search per iteration."""
     max_steps: int = 150
     """Actions after which an episode is cut off; the paper has 5000."""
-    trace_decay: float = 0.95
+    gae_lambda: float = 0.95
     """Lambda of generalised advantage estimation, 0..1."""
     epochs: int = 4
     """Passes over an iteration's rollouts."""
@@ -150,21 +150,21 @@ class PpoConfig(RewardConfig):
     """Parts a pass is cut into, by state."""
     clip: float = 0.2
     """How far the probability ratio may move."""
-    value_weight: float = 0.5
+    value_coef: float = 0.5
     """Weight of the squared error of the values."""
     entropy_weight: float = 0.05
     """Weight of the entropy at the start; it falls linearly to 0 at 80 % of the iterations."""
-    gradient_norm: float = 0.5
+    max_grad_norm: float = 0.5
     """Longer gradients are cut to this length."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 0 <= self.trace_decay <= 1:
-            raise SearchError(f"the trace decay must be in 0..1, got {self.trace_decay}")
+        if not 0 <= self.gae_lambda <= 1:
+            raise SearchError(f"gae_lambda must be in 0..1, got {self.gae_lambda}")
 
     def counts(self) -> tuple[str, ...]:
         """See `LearnerConfig.counts`."""
-        return ("searches", "rollout_steps", "max_steps", "epochs", "minibatches")
+        return ("num_envs", "num_steps", "max_steps", "epochs", "minibatches")
 
     def entropy_weight_at(self, iteration: int) -> float:
         """The entropy weight of an iteration, counted from 0."""
@@ -192,9 +192,9 @@ class A3cConfig(RewardConfig):
     not say in which unit it pays; the entropy weights suit this one."""
     entropy_weight: float = 0.01
     """Weight of the entropy: 0.1 is the paper's "high exploration", 0.01 its "low exploration"."""
-    value_weight: float = 0.5
+    value_coef: float = 0.5
     """Weight of the squared error of the values."""
-    gradient_norm: float = 40.0
+    max_grad_norm: float = 40.0
     """Longer gradients are cut to this length."""
     decay: float = 0.99
     """Of the mean of squared gradients (RMSProp), which all workers share."""
@@ -209,7 +209,7 @@ class A3cConfig(RewardConfig):
         super().__post_init__()
         if self.update_steps is not None and self.update_steps < 1:
             raise SearchError(f"update_steps must be at least 1 or None, got {self.update_steps}")
-        for label in ("area_unit", "gradient_norm", "epsilon"):
+        for label in ("area_unit", "max_grad_norm", "epsilon"):
             if not getattr(self, label) > 0:
                 raise SearchError(f"{label} must be positive, got {getattr(self, label)}")
         if not 0 <= self.decay < 1:

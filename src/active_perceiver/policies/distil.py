@@ -17,16 +17,16 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from active_perceiver.envs.task import SearchTask
 from active_perceiver.policies.config import DistilConfig
 from active_perceiver.policies.fitting import fit_network, state_batches
 from active_perceiver.policies.monitor import Inspect, Progress, Record
 from active_perceiver.policies.network import PolicyNetwork, picture_tensors
-from active_perceiver.policies.problem import Problem
-from active_perceiver.search.task import SearchTask
+from active_perceiver.policies.training_task import TrainingTask
 
 
 def train_distil(
-    problems: Sequence[Problem],
+    training_tasks: Sequence[TrainingTask],
     config: DistilConfig,
     progress: Progress | None = None,
     inspect: Inspect | None = None,
@@ -34,7 +34,7 @@ def train_distil(
     """Train a policy for one or several scenes.
 
     Args:
-        problems: one per scene, with features of one backbone.
+        training_tasks: one per scene, with features of one backbone.
         config: see `DistilConfig`.
         progress: is called with every record of the history.
         inspect: is shown every record with the policy tables it measures.
@@ -45,7 +45,7 @@ def train_distil(
     Raises:
         SearchError: if there are no problems, or they do not go together.
     """
-    return fit_network(problems, config, partial(_batch_losses, config), progress, inspect)
+    return fit_network(training_tasks, config, partial(_batch_losses, config), progress, inspect)
 
 
 def optimal_actions(task: SearchTask, states: NDArray[np.integer]) -> NDArray[np.bool_]:
@@ -79,14 +79,16 @@ def distillation_loss(log_policy: Tensor, optimal: Tensor) -> Tensor:
 
 
 def _batch_losses(
-    config: DistilConfig, network: PolicyNetwork, problem: Problem, rng: np.random.Generator
+    config: DistilConfig, network: PolicyNetwork, training_task: TrainingTask, rng: np.random.Generator
 ) -> Iterator[Tensor]:
     """See `fitting.SceneLosses`."""
-    task = problem.task
+    task = training_task.task
     for batch in state_batches(len(task), config, rng):
         states = batch.numpy()
         # Another picture of each target for every batch, so that the policy comes to work with all of them.
-        pictures = rng.integers(0, problem.observations.pictures, len(task.targets))
+        pictures = rng.integers(0, training_task.observations.pictures, len(task.targets))
         # Only the batch's rows: a scene may have many states.
-        log_policy, _ = network.table(*picture_tensors(problem, pictures, states, problem.drawn(rng)), task.scene)
+        log_policy, _ = network.table(
+            *picture_tensors(training_task, pictures, states, training_task.drawn(rng)), task.scene
+        )
         yield distillation_loss(log_policy, torch.from_numpy(optimal_actions(task, states)))

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.envs.batched_search import Searches
+from active_perceiver.envs.rewards import REWARDS
+from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import SearchError
-from active_perceiver.policies.arrivals import LIMIT, Arrivals, episode_arrivals, exact_arrivals
-from active_perceiver.policies.chain import checked_table
+from active_perceiver.policies.hitting_times import LIMIT, HittingTimes, episode_hitting_times, exact_hitting_times
+from active_perceiver.policies.markov_chain import checked_table
 from active_perceiver.policies.sampling import ActionSampler
-from active_perceiver.search.rewards import REWARDS
-from active_perceiver.search.searches import Searches
-from active_perceiver.search.task import SearchTask
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def exact_evaluation(table: NDArray[np.floating], task: SearchTask, limit: int =
         SearchError: if the table does not fit the task or the limit is less than 1.
     """
     table = _checked(table, task, limit)
-    arrivals = [exact_arrivals(table[:, target], task, target, limit) for target in range(len(task.targets))]
+    arrivals = [exact_hitting_times(table[:, target], task, target, limit) for target in range(len(task.targets))]
     protocol = {"kind": "exact", "starts": "all from which a goal can be reached", "limit": limit}
     return _evaluation(task, arrivals, protocol)
 
@@ -124,7 +124,8 @@ def episode_evaluation(
             break
     shortest = task.steps[starts, targets].reshape(count, episodes)
     arrivals = [
-        episode_arrivals(shortest[target], taken.reshape(count, episodes)[target], limit) for target in range(count)
+        episode_hitting_times(shortest[target], taken.reshape(count, episodes)[target], limit)
+        for target in range(count)
     ]
     return _evaluation(task, arrivals, {"kind": "episodes", "episodes": episodes, "limit": limit})
 
@@ -153,13 +154,13 @@ def _checked(table: NDArray[np.floating], task: SearchTask, limit: int) -> NDArr
     return checked_table(table, task)
 
 
-def _evaluation(task: SearchTask, arrivals: Sequence[Arrivals], protocol: dict[str, Any]) -> Evaluation:
+def _evaluation(task: SearchTask, arrivals: Sequence[HittingTimes], protocol: dict[str, Any]) -> Evaluation:
     per_target = tuple(_result(task.scene, name, some) for name, some in zip(task.targets, arrivals, strict=True))
     median = _median(np.sum([some.histogram for some in arrivals], axis=0))
     return Evaluation(protocol, _overall(task.scene, per_target, median), per_target)
 
 
-def _result(scene: str, target: str, arrivals: Arrivals) -> SearchResult:
+def _result(scene: str, target: str, arrivals: HittingTimes) -> SearchResult:
     total = arrivals.success.sum()
     mean = float(arrivals.steps.sum() / total) if total > 0 else float("nan")
     # Averaged over the same searches as the steps, so that hard starts that fail do not flatter the ratio.

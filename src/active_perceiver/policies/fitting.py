@@ -10,18 +10,18 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from active_perceiver.averaging import running_mean
 from active_perceiver.policies.config import FitConfig
 from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
 from active_perceiver.policies.network import PolicyNetwork, seeded_network
-from active_perceiver.policies.problem import Problem
+from active_perceiver.policies.training_task import TrainingTask
+from active_perceiver.utils.ema import ema_weights
 
 # The losses of one iteration's `fit_steps` steps in one scene, each to be minimised before the next is asked for.
-SceneLosses = Callable[[PolicyNetwork, Problem, np.random.Generator], Iterator[Tensor]]
+SceneLosses = Callable[[PolicyNetwork, TrainingTask, np.random.Generator], Iterator[Tensor]]
 
 
 def fit_network(
-    problems: Sequence[Problem],
+    training_tasks: Sequence[TrainingTask],
     config: FitConfig,
     losses: SceneLosses,
     progress: Progress | None = None,
@@ -32,7 +32,7 @@ def fit_network(
     What is measured and given back is the running mean of the weights, see `FitConfig.averaging`.
 
     Args:
-        problems: one per scene, with features of one backbone.
+        training_tasks: one per scene, with features of one backbone.
         config: how many steps, how large, and when to stop.
         losses: gives the losses of an iteration in one scene.
         progress: is called with every record of the history.
@@ -44,16 +44,16 @@ def fit_network(
     Raises:
         SearchError: if there are no problems, or they do not go together.
     """
-    network = seeded_network(problems, config)
+    network = seeded_network(training_tasks, config)
     _scale_weights(network, config.seed)
     rng = np.random.default_rng(config.seed)
     optimiser = torch.optim.Adam(network.parameters(), lr=config.learning_rate, fused=True)
-    averaged = running_mean(network, config.averaging)
+    averaged = ema_weights(network, config.averaging)
     policy = cast(PolicyNetwork, averaged.module)
-    monitor = Monitor(problems, config, progress, inspect)
+    monitor = Monitor(training_tasks, config, progress, inspect)
     for iteration in range(config.iterations):
         optimiser.param_groups[0]["lr"] = config.learning_rate_at(iteration)
-        scenes = [losses(network, problem, rng) for problem in problems]
+        scenes = [losses(network, training_task, rng) for training_task in training_tasks]
         for _ in range(config.fit_steps):
             optimiser.zero_grad()
             for scene in scenes:

@@ -10,14 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from active_perceiver.errors import SearchError
-from active_perceiver.policies.config import (
-    A3cConfig,
-    DistilConfig,
-    LearnerConfig,
-    MirrorDescentConfig,
-    PpoConfig,
-)
-from active_perceiver.policies.problem import Problem
+from active_perceiver.policies.config import A3cConfig, DistilConfig, LearnerConfig, MirrorDescentConfig, PpoConfig
+from active_perceiver.policies.training_task import TrainingTask
 
 if TYPE_CHECKING:
     from active_perceiver.policies.monitor import Inspect
@@ -44,7 +38,7 @@ class Learner:
 
     def train(
         self,
-        problems: Sequence[Problem],
+        training_tasks: Sequence[TrainingTask],
         config: LearnerConfig | None = None,
         progress: Callable[[dict[str, float]], None] | None = None,
         inspect: Inspect | None = None,
@@ -53,7 +47,7 @@ class Learner:
         """Train a policy with a branch for each problem.
 
         Args:
-            problems: one per scene, with features of one backbone.
+            training_tasks: one per scene, with features of one backbone.
             config: of the class `config`; None for its defaults.
             progress: is called with each record of the history.
             inspect: is shown each record with the policy tables it measures.
@@ -76,8 +70,8 @@ class Learner:
             raise SearchError(f"training needs {error.name}: pip install 'active-perceiver[train]'") from None
         with _torch_set_up(config.threads):
             if self.keeps_checkpoints:
-                return train(problems, config, progress, inspect, checkpoint)
-            return train(problems, config, progress, inspect)
+                return train(training_tasks, config, progress, inspect, checkpoint)
+            return train(training_tasks, config, progress, inspect)
 
 
 LEARNERS: dict[str, Learner] = {
@@ -104,7 +98,7 @@ LEARNERS: dict[str, Learner] = {
         Learner(
             "a3c",
             A3cConfig,
-            "active_perceiver.policies.a3c:train_a3c",
+            "active_perceiver.policies.a3c.learner:train_a3c",
             "a process per scene and target, as the paper trains; slow",
             keeps_checkpoints=True,
         ),

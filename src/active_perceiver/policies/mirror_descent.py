@@ -20,11 +20,11 @@ from active_perceiver.policies.config import MirrorDescentConfig, reward_of
 from active_perceiver.policies.fitting import fit_network, state_batches
 from active_perceiver.policies.monitor import Inspect, Progress, Record
 from active_perceiver.policies.network import PolicyNetwork, log_table, picture_tensors
-from active_perceiver.policies.problem import Problem
+from active_perceiver.policies.training_task import TrainingTask
 
 
 def train_mirror_descent(
-    problems: Sequence[Problem],
+    training_tasks: Sequence[TrainingTask],
     config: MirrorDescentConfig,
     progress: Progress | None = None,
     inspect: Inspect | None = None,
@@ -32,7 +32,7 @@ def train_mirror_descent(
     """Train a policy for one or several scenes.
 
     Args:
-        problems: one per scene, with features of one backbone.
+        training_tasks: one per scene, with features of one backbone.
         config: see `MirrorDescentConfig`.
         progress: is called with every record of the history.
         inspect: is shown every record with the policy tables it measures.
@@ -43,16 +43,16 @@ def train_mirror_descent(
     Raises:
         SearchError: if there are no problems, or they do not go together.
     """
-    return fit_network(problems, config, partial(_improvements, config), progress, inspect)
+    return fit_network(training_tasks, config, partial(_improvements, config), progress, inspect)
 
 
 def _improvements(
-    config: MirrorDescentConfig, network: PolicyNetwork, problem: Problem, rng: np.random.Generator
+    config: MirrorDescentConfig, network: PolicyNetwork, training_task: TrainingTask, rng: np.random.Generator
 ) -> Iterator[Tensor]:
     """See `fitting.SceneLosses`; the target of the fit is found when the first loss is asked for."""
-    task = problem.task
-    drawn = problem.observations.pictures, len(task.targets)
-    log_policy, _ = log_table(network, *picture_tensors(problem, rng.integers(0, *drawn)), task.scene)
+    task = training_task.task
+    drawn = training_task.observations.pictures, len(task.targets)
+    log_policy, _ = log_table(network, *picture_tensors(training_task, rng.integers(0, *drawn)), task.scene)
     advantages = exact_advantages(log_policy.exp().numpy(), task, reward_of(config), config.gamma)
     # Far from a goal all actions are worth nearly the same, discounted; measured by the largest one a step is as long
     # there as near by.
@@ -65,7 +65,7 @@ def _improvements(
         # What is better does not depend on the picture a target is asked for with: other ones for every batch. Were
         # it one for all batches, an odd picture would be met in few iterations, and searches with it stay lost.
         pictures = rng.integers(0, *drawn)
-        batch = picture_tensors(problem, pictures, states.numpy(), problem.drawn(rng))
+        batch = picture_tensors(training_task, pictures, states.numpy(), training_task.drawn(rng))
         log_fitted, _ = network.table(*batch, task.scene)
         cross_entropy = -(improved[states] * log_fitted).sum(dim=-1)
         yield (counts[states] * cross_entropy).sum() / counts[states].sum().clamp(min=1)

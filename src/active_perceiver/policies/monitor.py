@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.policies.chain import entropies
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.evaluation import SearchResult, exact_evaluation, mean_evaluation
-from active_perceiver.policies.network import PolicyNetwork, problem_table
-from active_perceiver.policies.problem import Problem
+from active_perceiver.policies.markov_chain import entropies
+from active_perceiver.policies.network import PolicyNetwork, task_table
+from active_perceiver.policies.training_task import TrainingTask
 
 Record = dict[str, float]
 Progress = Callable[[Record], None]
@@ -29,7 +29,7 @@ class Monitor:
     """Measures a network every few iterations, exactly, and says when it is good enough or time is up.
 
     Args:
-        problems: what it is measured in.
+        training_tasks: what it is measured in.
         config: how often, and when it is good enough.
         progress: is told each record.
         inspect: is shown each record and the tables it measures.
@@ -47,14 +47,14 @@ class Monitor:
 
     def __init__(
         self,
-        problems: Sequence[Problem],
+        training_tasks: Sequence[TrainingTask],
         config: LearnerConfig,
         progress: Progress | None,
         inspect: Inspect | None = None,
         earlier: Sequence[Record] = (),
     ) -> None:
         self.history: list[Record] = list(earlier)
-        self._problems = problems
+        self._training_tasks = training_tasks
         self._config = config
         self._progress = progress
         self._inspect = inspect
@@ -104,11 +104,12 @@ class Monitor:
 
     def _measure(self, network: PolicyNetwork, picture: int) -> tuple[SearchResult, float, list[NDArray[np.float32]]]:
         tables = [
-            problem_table(network, problem, picture % problem.observations.pictures)[0] for problem in self._problems
+            task_table(network, training_task, picture % training_task.observations.pictures)[0]
+            for training_task in self._training_tasks
         ]
         evaluations = [
-            exact_evaluation(table, problem.task, self._config.check_limit)
-            for table, problem in zip(tables, self._problems, strict=True)
+            exact_evaluation(table, training_task.task, self._config.check_limit)
+            for table, training_task in zip(tables, self._training_tasks, strict=True)
         ]
         entropy = float(np.mean([entropies(table).mean() for table in tables]))
         return mean_evaluation(evaluations).overall, entropy, tables
@@ -127,5 +128,5 @@ class Monitor:
         return target is not None and result.success >= ALWAYS and result.ratio <= target
 
     def _good_with_every_picture(self, network: PolicyNetwork) -> bool:
-        most = max(problem.observations.pictures for problem in self._problems)
+        most = max(training_task.observations.pictures for training_task in self._training_tasks)
         return all(self._good(self._measure(network, picture)[0]) for picture in range(most))

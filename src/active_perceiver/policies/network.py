@@ -9,10 +9,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from active_perceiver.envs.observations import Observations
 from active_perceiver.errors import SearchError
 from active_perceiver.policies.config import LearnerConfig
-from active_perceiver.policies.problem import Problem
-from active_perceiver.search.observations import Observations
+from active_perceiver.policies.training_task import TrainingTask
 from active_perceiver.vision.location import GRID
 
 TABLE_STATES = 512
@@ -60,24 +60,31 @@ class PolicyNetwork(nn.Module):
             nn.init.zeros_(head.bias)
 
     @classmethod
-    def for_problems(cls, problems: Sequence[Problem], hidden: int = 512) -> PolicyNetwork:
+    def for_tasks(cls, training_tasks: Sequence[TrainingTask], hidden: int = 512) -> PolicyNetwork:
         """A network with a branch for each problem, and with the statistics of their features.
 
         Raises:
             SearchError: if there are no problems, two of one scene, or they have different features.
         """
-        if not problems:
+        if not training_tasks:
             raise SearchError("there is nothing to learn; give at least one scene")
-        scenes = [problem.task.scene for problem in problems]
+        scenes = [training_task.task.scene for training_task in training_tasks]
         if len(set(scenes)) != len(scenes):
             raise SearchError(f"each scene has one branch, but a scene was given twice: {scenes}")
-        widths = {problem.observations.view_features.shape[1] for problem in problems}
+        widths = {training_task.observations.view_features.shape[1] for training_task in training_tasks}
         if len(widths) != 1:
             raise SearchError(f"all scenes need features of one backbone, got {sorted(widths)} features")
-        network = cls(widths.pop(), {problem.task.scene: problem.task.actions for problem in problems}, hidden)
-        views = np.concatenate([problem.observations.view_features for problem in problems])
+        network = cls(
+            widths.pop(),
+            {training_task.task.scene: training_task.task.actions for training_task in training_tasks},
+            hidden,
+        )
+        views = np.concatenate([training_task.observations.view_features for training_task in training_tasks])
         targets = np.concatenate(
-            [problem.observations.target_features.reshape(-1, network.feature_dim) for problem in problems]
+            [
+                training_task.observations.target_features.reshape(-1, network.feature_dim)
+                for training_task in training_tasks
+            ]
         )
         for label, features in (("view", views), ("target", targets)):
             mean, scale = _statistics(features)
@@ -140,27 +147,29 @@ class PolicyNetwork(nn.Module):
         return list(self.branches).index(branch)
 
 
-def seeded_network(problems: Sequence[Problem], config: LearnerConfig) -> PolicyNetwork:
-    """`PolicyNetwork.for_problems` with weights drawn by the configuration's seed, not from torch's own stream."""
+def seeded_network(training_tasks: Sequence[TrainingTask], config: LearnerConfig) -> PolicyNetwork:
+    """`PolicyNetwork.for_tasks` with weights drawn by the configuration's seed, not from torch's own stream."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(config.seed)
-        return PolicyNetwork.for_problems(problems, config.hidden)
+        return PolicyNetwork.for_tasks(training_tasks, config.hidden)
 
 
-def problem_table(
-    network: PolicyNetwork, problem: Problem, pictures: int | NDArray[np.integer] = 0
+def task_table(
+    network: PolicyNetwork, training_task: TrainingTask, pictures: int | NDArray[np.integer] = 0
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """What a network decides everywhere in a problem.
 
     Args:
         network: has a branch for the problem's scene.
-        problem: of S states and T targets.
+        training_task: of S states and T targets.
         pictures: which picture each target is asked for with: one number for all, or (T,).
 
     Returns:
         Probabilities (S, T, A) and values (S, T), float32.
     """
-    log_probabilities, values = log_table(network, *picture_tensors(problem, pictures), problem.task.scene)
+    log_probabilities, values = log_table(
+        network, *picture_tensors(training_task, pictures), training_task.task.scene
+    )
     return log_probabilities.exp().numpy(), values.numpy()
 
 
@@ -187,7 +196,7 @@ def log_table(
 
 
 def picture_tensors(
-    problem: Problem,
+    training_task: TrainingTask,
     pictures: int | NDArray[np.integer],
     states: NDArray[np.integer] | None = None,
     observations: Observations | None = None,
@@ -195,13 +204,13 @@ def picture_tensors(
     """The views (n, D), and for one picture of each target the features (T, D) and masks (n, T, 25).
 
     Args:
-        problem: of S states and T targets.
+        training_task: of S states and T targets.
         pictures: which picture each target is asked for with: one number for all, or (T,).
         states: (n,) which states; all if None.
         observations: which of the problem's; those of the scene as it is if None.
     """
-    seen = observations or problem.observations
-    index = np.arange(len(problem.task.targets))
+    seen = observations or training_task.observations
+    index = np.arange(len(training_task.task.targets))
     masks = seen.masks[:, index, pictures] if states is None else seen.masks[states[:, None], index, pictures]
     return (
         torch.from_numpy(seen.view_features if states is None else seen.view_features[states]),

@@ -16,7 +16,7 @@ from active_perceiver.vision.location import GRID
 from active_perceiver.vision.sessions import ModelFileError, open_session
 
 if TYPE_CHECKING:
-    from active_perceiver.search.observations import Observations
+    from active_perceiver.envs.observations import Observations
 
 KIND = "active-perceiver-policy"
 

@@ -19,12 +19,12 @@ from torch import Tensor
 from active_perceiver.policies.config import PpoConfig, reward_of
 from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
 from active_perceiver.policies.network import PolicyNetwork, picture_tensors, seeded_network
-from active_perceiver.policies.problem import Problem
 from active_perceiver.policies.rollouts import Rollout, RolloutWorker, estimate_advantages
+from active_perceiver.policies.training_task import TrainingTask
 
 
 def train_ppo(
-    problems: Sequence[Problem],
+    training_tasks: Sequence[TrainingTask],
     config: PpoConfig,
     progress: Progress | None = None,
     inspect: Inspect | None = None,
@@ -32,7 +32,7 @@ def train_ppo(
     """Train a policy for one or several scenes.
 
     Args:
-        problems: one per scene, with features of one backbone.
+        training_tasks: one per scene, with features of one backbone.
         config: see `PpoConfig`.
         progress: is called with every record of the history.
         inspect: is shown every record with the policy tables it measures.
@@ -43,17 +43,20 @@ def train_ppo(
     Raises:
         SearchError: if there are no problems, or they do not go together.
     """
-    network = seeded_network(problems, config)
+    network = seeded_network(training_tasks, config)
     rng = np.random.default_rng(config.seed)
     optimiser = torch.optim.Adam(network.parameters(), lr=config.learning_rate, fused=True)
-    monitor = Monitor(problems, config, progress, inspect)
-    share = -(-config.searches // len(problems))
-    workers = [RolloutWorker(problem.task, share, reward_of(config), config.max_steps, rng) for problem in problems]
+    monitor = Monitor(training_tasks, config, progress, inspect)
+    share = -(-config.num_envs // len(training_tasks))
+    workers = [
+        RolloutWorker(training_task.task, share, reward_of(config), config.max_steps, rng)
+        for training_task in training_tasks
+    ]
     samples = 0
     for iteration in range(config.iterations):
         optimiser.param_groups[0]["lr"] = config.learning_rate_at(iteration)
-        scenes = _collect(network, problems, workers, config, rng)
-        samples += config.rollout_steps * share * len(problems)
+        scenes = _collect(network, training_tasks, workers, config, rng)
+        samples += config.num_steps * share * len(training_tasks)
         entropy_weight = config.entropy_weight_at(iteration)
         for _ in range(config.epochs):
             for parts in zip(*(_state_parts(scene, config.minibatches, rng) for scene in scenes), strict=True):
@@ -63,7 +66,7 @@ def train_ppo(
                 ]
                 optimiser.zero_grad()
                 torch.stack(losses).mean().backward()
-                torch.nn.utils.clip_grad_norm_(network.parameters(), config.gradient_norm)
+                torch.nn.utils.clip_grad_norm_(network.parameters(), config.max_grad_norm)
                 optimiser.step()
         if monitor.finished(network, iteration + 1, samples):
             break
@@ -142,29 +145,29 @@ class SceneSamples:
         entropy = -(log_policy.exp() * log_policy).sum(dim=-1)
         # The squared error summed over a pair's returns, without the part that has no gradient.
         squared = counts * values**2 - 2 * values * self.sums.returns[states]
-        total = -surrogate.sum() + config.value_weight * squared.sum() - entropy_weight * (counts * entropy).sum()
+        total = -surrogate.sum() + config.value_coef * squared.sum() - entropy_weight * (counts * entropy).sum()
         return total / counts.sum().clamp(min=1)
 
 
 def _collect(
     network: PolicyNetwork,
-    problems: Sequence[Problem],
+    training_tasks: Sequence[TrainingTask],
     workers: Sequence[RolloutWorker],
     config: PpoConfig,
     rng: np.random.Generator,
 ) -> list[SceneSamples]:
     """Roll the policy out in every scene; advantages are brought to mean 0 and deviation 1 over all scenes."""
     shown, rollouts, estimates = [], [], []
-    for problem, worker in zip(problems, workers, strict=True):
+    for training_task, worker in zip(training_tasks, workers, strict=True):
         # Another picture of each target every time, so that the policy comes to work with all of them.
-        pictures = rng.integers(0, problem.observations.pictures, len(problem.task.targets))
-        tensors = picture_tensors(problem, pictures)
+        pictures = rng.integers(0, training_task.observations.pictures, len(training_task.task.targets))
+        tensors = picture_tensors(training_task, pictures)
         with torch.no_grad():
-            log_policy, values = network.table(*tensors, problem.task.scene)
-        rollout = worker.run(log_policy.exp().numpy(), config.rollout_steps)
-        shown.append((problem.task.scene, *tensors, log_policy))
+            log_policy, values = network.table(*tensors, training_task.task.scene)
+        rollout = worker.run(log_policy.exp().numpy(), config.num_steps)
+        shown.append((training_task.task.scene, *tensors, log_policy))
         rollouts.append(rollout)
-        estimates.append(estimate_advantages(rollout, values.numpy(), config.gamma, config.trace_decay))
+        estimates.append(estimate_advantages(rollout, values.numpy(), config.gamma, config.gae_lambda))
     everything = np.concatenate([advantages.ravel() for advantages, _ in estimates])
     mean, deviation = everything.mean(), everything.std() + 1e-8
     return [

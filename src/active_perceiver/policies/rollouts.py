@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.envs.batched_search import Searches
+from active_perceiver.envs.rewards import Reward
+from active_perceiver.envs.task import SearchTask
 from active_perceiver.policies.sampling import ActionSampler
-from active_perceiver.search.rewards import Reward
-from active_perceiver.search.searches import Searches
-from active_perceiver.search.task import SearchTask
 
 
 class Rollout(NamedTuple):
@@ -21,18 +21,18 @@ class Rollout(NamedTuple):
         targets: what was looked for.
         actions: what was done.
         rewards: what was paid.
-        following: the state after the action, before any new episode began.
+        next_states: the state after the action, before any new episode began.
         terminated: a goal was reached.
-        ended: the episode ended there, at a goal or for want of steps.
+        done: the episode ended there, at a goal or for want of steps.
     """
 
     states: NDArray[np.int64]
     targets: NDArray[np.int64]
     actions: NDArray[np.int64]
     rewards: NDArray[np.float64]
-    following: NDArray[np.int64]
+    next_states: NDArray[np.int64]
     terminated: NDArray[np.bool_]
-    ended: NDArray[np.bool_]
+    done: NDArray[np.bool_]
 
 
 class RolloutWorker:
@@ -68,17 +68,17 @@ class RolloutWorker:
             states = searches.states
             actions = sampler.sample(states, searches.targets, self._rng)
             outcome = searches.step(actions)
-            ended = outcome.terminated | outcome.truncated
-            paid = outcome.rewards / self._unit
-            rows.append((states, searches.targets, actions, paid, searches.states.copy(), outcome.terminated, ended))
-            which = np.flatnonzero(ended)
+            done = outcome.terminated | outcome.truncated
+            reward = outcome.rewards / self._unit
+            rows.append((states, searches.targets, actions, reward, searches.states.copy(), outcome.terminated, done))
+            which = np.flatnonzero(done)
             targets = searches.targets[which]
             searches.begin(which, searches.random_starts(targets, self._rng), targets)
         return Rollout(*(np.stack(column) for column in zip(*rows, strict=True)))
 
 
 def estimate_advantages(
-    rollout: Rollout, values: NDArray[np.floating], gamma: float, trace_decay: float
+    rollout: Rollout, values: NDArray[np.floating], gamma: float, gae_lambda: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Generalised advantage estimation (Schulman et al. 2016).
 
@@ -89,17 +89,17 @@ def estimate_advantages(
         rollout: of N searches.
         values: (S, T) of the policy that made it.
         gamma: discount.
-        trace_decay: lambda.
+        gae_lambda: lambda.
 
     Returns:
         Advantages and returns (targets for the values), both (steps, N).
     """
     before = values[rollout.states, rollout.targets].astype(np.float64)
-    after = np.where(rollout.terminated, 0.0, values[rollout.following, rollout.targets])
-    surprise = rollout.rewards + gamma * after - before
-    advantages = np.empty_like(surprise)
-    trace = np.zeros(surprise.shape[1])
-    for step in reversed(range(len(surprise))):
-        trace = surprise[step] + gamma * trace_decay * np.where(rollout.ended[step], 0.0, trace)
+    after = np.where(rollout.terminated, 0.0, values[rollout.next_states, rollout.targets])
+    td_error = rollout.rewards + gamma * after - before
+    advantages = np.empty_like(td_error)
+    trace = np.zeros(td_error.shape[1])
+    for step in reversed(range(len(td_error))):
+        trace = td_error[step] + gamma * gae_lambda * np.where(rollout.done[step], 0.0, trace)
         advantages[step] = trace
     return advantages, advantages + before

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import SearchError
-from active_perceiver.policies.chain import checked_table
-from active_perceiver.search.task import SearchTask
+from active_perceiver.policies.markov_chain import checked_table
 
 
 class ActionSampler:

@@ -1,103 +1,167 @@
-"""Changed copies of views and of target pictures, so that a recogniser learns what does not matter. Pure functions.
-
-Light, colours, sharpness and framing of an image are changed as another camera, another hour or another step of the
-robot would change them. A view's own objects also serve as target pictures: that is how an object looks when it is
-photographed where it stands.
-"""
+"""Further views and target pictures for a recogniser to learn from: changed copies of those it may learn from."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
-from PIL import Image
+from torch import Tensor
 
-from active_perceiver.scenes.images import square_image
-from active_perceiver.vision.image_changes import photometric
+from active_perceiver.recognition.augmented_images import changed_picture, changed_view, picture_from_view
+from active_perceiver.recognition.network import RecogniserNetwork
+from active_perceiver.recognition.pairs import ABSENT, IGNORE_INDEX, PRESENT, Annotations, Split
+from active_perceiver.scenes.scene import Scene
+from active_perceiver.utils.prefetch import prefetch_batches
+from active_perceiver.vision.backbone import BATCH, Backbone
+
+# An object of which less is left in a copy of a view counts neither as there nor as absent.
+LEAST_KEPT = 0.5
+# What is cut out of a view to be a target picture must have covered so much of it, or it is only a blur.
+SMALLEST_CROP = 0.006
+
+Report = Callable[[int, int], None]
 
 
-def window(
-    image: NDArray[np.uint8], left: float, top: float, side: float, size: int, *, mirrored: bool
-) -> NDArray[np.uint8]:
-    """A square part of an image, scaled; where it reaches beyond the image, the image's edge goes on.
+@dataclass(frozen=True)
+class AugmentationConfig:
+    """How much further material is made."""
+
+    views: int = 2400
+    """Copies of views in all, from nearer and in other light; of each view equally many, at least one unless it is 0:
+    where views are few, each is worth more copies, and where they are many, training takes no longer."""
+    pictures: int = 4
+    """Copies of each target picture, framed otherwise and in other light."""
+    crops: int = 16
+    """Target pictures cut out of views, for each target; fewer if it is large enough in fewer views."""
+
+
+@dataclass(frozen=True, eq=False)
+class AugmentedData:
+    """Further views and pictures, prepared by the network that will learn from them.
+
+    Attributes:
+        views: (N, ...) float16.
+        originals: (N,) int64: which view each is a copy of.
+        boxes: (N, T, 4) float32 true boxes; zeros where the target is not visible.
+        states: (N, T) int8, see `Annotations`.
+        pictures: (T, M, ...) float16; of target t, the first `counts[t]` are pictures.
+        counts: (T,) int64.
+    """
+
+    views: Tensor
+    originals: NDArray[np.int64]
+    boxes: NDArray[np.float32]
+    states: NDArray[np.int8]
+    pictures: Tensor
+    counts: NDArray[np.int64]
+
+    def added_to(self, data: Annotations, split: Split) -> tuple[Annotations, Split]:
+        """Annotations and split of the views there were and, after them, the further ones; none is held out."""
+        together = replace(
+            data,
+            boxes=np.concatenate([data.boxes, self.boxes]),
+            states=np.concatenate([data.states, self.states]),
+            places=np.concatenate([data.places, data.places[self.originals]]),
+        )
+        return together, replace(split, views=np.concatenate([split.views, np.zeros(len(self.originals), bool)]))
+
+
+def make_augmented(
+    scenes: Sequence[Scene],
+    backbone: Backbone,
+    network: RecogniserNetwork,
+    data: Annotations,
+    split: Split,
+    config: AugmentationConfig,
+    rng: np.random.Generator,
+    report: Report | None = None,
+) -> AugmentedData:
+    """Make further material from what is not held out.
 
     Args:
-        image: (H, W, 3) uint8.
-        left: of the part, in pixels; may be negative.
-        top: of the part, in pixels; may be negative.
-        side: of the part, in pixels.
-        size: side of the result in pixels.
-        mirrored: whether left and right are exchanged.
-
-    Returns:
-        (size, size, 3) uint8.
+        scenes: whose images.
+        backbone: makes the feature maps.
+        network: prepares them.
+        data: of the scenes.
+        split: what is held out: nothing is made from it.
+        config: how much.
+        rng: draws all changes.
+        report: called with the number of images done and of all.
     """
-    beyond = max(-left, -top, left + side - image.shape[1], top + side - image.shape[0])
-    margin = math.ceil(beyond) + 1 if beyond > 0 else 0
-    if margin:
-        image = np.pad(image, ((margin, margin), (margin, margin), (0, 0)), mode="edge")
-    box = (left + margin, top + margin, left + margin + side, top + margin + side)
-    part = np.asarray(Image.fromarray(image).resize((size, size), Image.Resampling.BICUBIC, box))
-    return np.ascontiguousarray(part[:, ::-1]) if mirrored else part
+    size = backbone.image_size
+    first_view = np.cumsum([0] + [len(scene) for scene in scenes])
+    scene_of_view = np.repeat(np.arange(len(scenes)), [len(scene) for scene in scenes])
+
+    def view(row: int) -> NDArray[np.uint8]:
+        number = scene_of_view[row]
+        return scenes[number].view(int(row - first_view[number]))
+
+    learned = np.flatnonzero(~split.views & (data.states != IGNORE_INDEX).any(axis=1))
+    originals = np.tile(learned, max(round(config.views / max(1, len(learned))), int(config.views > 0)))
+    crops = [_views_to_crop(data, split, target, config.crops, rng) for target in range(len(data.names))]
+    targets = [target for scene in scenes for target in scene.targets]
+    copied = np.where(split.targets, 0, split.seen_pictures * config.pictures)
+    counts = copied + [len(rows) for rows in crops]
+    done, total = 0, len(originals) + int(counts.sum())
+
+    def counted(images: Iterator[NDArray[np.uint8]]) -> Iterator[NDArray[np.uint8]]:
+        nonlocal done
+        for image in images:
+            yield image
+            done += 1
+            if report is not None:
+                report(done, total)
+
+    boxes = np.zeros((len(originals), *data.boxes.shape[1:]), np.float32)
+    states = np.full(boxes.shape[:2], IGNORE_INDEX, np.int8)
+
+    def copies_of_views() -> Iterator[NDArray[np.uint8]]:
+        for number, row in enumerate(originals):
+            visible = data.boxes[row, :, 2:].prod(axis=1) > 0
+            there = np.where(visible[:, None], data.boxes[row], np.nan)
+            image, inside, kept = changed_view(view(row), there, size, rng)
+            boxes[number], states[number] = np.nan_to_num(inside), _states(data, row, inside, kept)
+            yield image
+
+    def further_pictures(target: int) -> Iterator[NDArray[np.uint8]]:
+        for number in range(copied[target]):
+            picture = targets[target].picture(number % int(split.seen_pictures[target]))
+            yield changed_picture(picture, size, rng)
+        for row in crops[target]:
+            yield picture_from_view(view(row), data.boxes[row, target], size, rng)
+
+    views = _prepared(counted(copies_of_views()), backbone, network.prepare)
+    pictures = [
+        _prepared(counted(further_pictures(target)), backbone, network.prepare_target)
+        for target in range(len(data.names))
+    ]
+    return AugmentedData(views, originals, boxes, states, torch.nn.utils.rnn.pad_sequence(pictures, True), counts)
 
 
-def changed_view(
-    image: NDArray[np.uint8], boxes: NDArray[np.floating], size: int, rng: np.random.Generator
-) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]]:
-    """A view as from a little nearer, in other light, mirrored half of the time.
-
-    Args:
-        image: (H, W, 3) uint8 RGB.
-        boxes: (T, 4) of the targets, as fractions of the square that the image is fitted into; NaN if not visible.
-        size: side of the result in pixels.
-        rng: draws the changes.
-
-    Returns:
-        (size, size, 3) uint8; (T, 4) float32 boxes in it, cut at its edges; (T,) float32: how much of each target's
-        box is in it, 0..1. NaN for targets that are not visible; a box of which nothing is in it is empty.
-    """
-    side = rng.uniform(0.75, 1.0)
-    corner = rng.uniform(0.0, 1.0 - side, 2)
-    mirrored = rng.random() < 0.5
-    whole = square_image(image, size)
-    left, top = corner * size
-    part = window(whole, left, top, side * size, size, mirrored=mirrored)
-    low, high = (np.clip((boxes[:, :2] + sign * boxes[:, 2:] / 2 - corner) / side, 0.0, 1.0) for sign in (-1, 1))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        kept = (high - low).prod(axis=1) * side**2 / boxes[:, 2:].prod(axis=1)
-    if mirrored:
-        low[:, 0], high[:, 0] = 1.0 - high[:, 0], 1.0 - low[:, 0]
-    inside = np.concatenate([(low + high) / 2, high - low], axis=1).astype(np.float32)
-    return photometric(part, rng), inside, np.clip(kept, 0.0, 1.0).astype(np.float32)
+def _views_to_crop(
+    data: Annotations, split: Split, target: int, most: int, rng: np.random.Generator
+) -> NDArray[np.int64]:
+    """Rows of views that show a target well."""
+    large = data.boxes[:, target, 2:].prod(axis=1) >= SMALLEST_CROP
+    rows = np.flatnonzero(large & (data.states[:, target] == PRESENT) & ~split.views)
+    return rows[:0] if split.targets[target] or not most else rng.permutation(rows)[:most]
 
 
-def changed_picture(image: NDArray[np.uint8], size: int, rng: np.random.Generator) -> NDArray[np.uint8]:
-    """A target picture taken from nearer or from farther off, not quite centred, in other light, perhaps mirrored.
-
-    Args:
-        image: (H, W, 3) uint8 RGB.
-        size: side of the result in pixels.
-        rng: draws the changes.
-    """
-    side = size * rng.uniform(0.7, 1.5)
-    left, top = size / 2 + rng.normal(0.0, 0.06 * size, 2) - side / 2
-    part = window(square_image(image, size), left, top, side, size, mirrored=rng.random() < 0.5)
-    return photometric(part, rng)
+def _states(data: Annotations, row: int, inside: NDArray[np.float32], kept: NDArray[np.float32]) -> NDArray[np.int8]:
+    """(T,) what a copy of a view shows of the targets of its scene."""
+    gone = (data.states[row] == ABSENT) | (kept == 0.0)
+    enough = (kept >= LEAST_KEPT) & (inside[:, 2:].prod(axis=1) >= data.smallest_area)
+    return np.where(gone, ABSENT, np.where(enough, PRESENT, IGNORE_INDEX)).astype(np.int8)
 
 
-def picture_from_view(
-    image: NDArray[np.uint8], box: NDArray[np.floating], size: int, rng: np.random.Generator
-) -> NDArray[np.uint8]:
-    """A target picture cut out of a view, with what lies around the object.
-
-    Args:
-        image: (H, W, 3) uint8 RGB.
-        box: (4,) of the object, as fractions of the square that the image is fitted into.
-        size: side of the result in pixels.
-        rng: draws how much lies around it, and the changes of light.
-    """
-    side = size * float(box[2:].max()) * rng.uniform(1.25, 2.2)
-    left, top = box[:2] * size + rng.normal(0.0, 0.06 * side, 2) - side / 2
-    part = window(square_image(image, size), left, top, side, size, mirrored=rng.random() < 0.5)
-    return photometric(part, rng)
+@torch.inference_mode()
+def _prepared(images: Iterator[NDArray[np.uint8]], backbone: Backbone, prepare: Callable[[Tensor], Tensor]) -> Tensor:
+    """Like `training.prepared`, from images and a batch at a time: their feature maps would fill the memory."""
+    parts = [prepare(torch.from_numpy(backbone.maps(batch))).half() for batch in prefetch_batches(images, BATCH)]
+    if not parts:
+        shape = backbone.channels, backbone.map_size, backbone.map_size
+        return prepare(torch.zeros(1, *shape)).half()[:0]
+    return torch.cat(parts)

@@ -14,20 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.files import replacing
-from active_perceiver.recognition.judging import judge_pairs, measure, questions, sigmoid
+from active_perceiver.recognition.calibration import evaluate_pairs, measure, queries, sigmoid
 from active_perceiver.recognition.metrics import RecognitionMetrics
 from active_perceiver.recognition.network import RecogniserNetwork
 from active_perceiver.recognition.pairs import Annotations, Split
 from active_perceiver.recognition.recogniser import RecogniserError
-from active_perceiver.recognition.training import (
-    Progress,
-    RecogniserConfig,
-    prepared,
-    train_recogniser,
-    using_threads,
-)
+from active_perceiver.recognition.train import Progress, RecogniserConfig, prepared, train_recogniser, using_threads
 from active_perceiver.scenes.scene import Scene
+from active_perceiver.utils.files import replacing
 from active_perceiver.vision.cache import SceneFeatures
 
 
@@ -175,7 +169,7 @@ def _detect(
     """Like `detect_table` in some of the views; not through ONNX, the making of which takes longer than a look."""
     targets = features.target_maps
     asked = prepared(network.prepare_target, targets.reshape(-1, *targets.shape[2:]))
-    logits, boxes = judge_pairs(network, prepared(network.prepare, features.view_maps[views]), asked)
+    logits, boxes = evaluate_pairs(network, prepared(network.prepare, features.view_maps[views]), asked)
     shape = (len(logits), *targets.shape[:2])
     return sigmoid(logits).reshape(shape), boxes.reshape(*shape, 4)
 
@@ -193,7 +187,7 @@ def _measure_all(scene: Scene, judged: CrossValidated, config: RecogniserConfig)
     threshold = float(judged.thresholds[judged.folds].mean())
     certain = judged.seen.astype(np.float32)
     metrics = {}
-    for name, (targets, pictures) in questions(data, split).items():
+    for name, (targets, pictures) in queries(data, split).items():
         boxes = judged.boxes[:, targets, pictures]
         # Once for what depends on the order of the scores, once for what each fold makes of them.
         ranked, decided = (

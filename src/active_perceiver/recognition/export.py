@@ -10,9 +10,9 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 from torch import Tensor, nn
 
-from active_perceiver.files import replacing
 from active_perceiver.recognition.network import RECOGNISERS, RecogniserNetwork
 from active_perceiver.recognition.recogniser import RecogniserError
+from active_perceiver.utils.files import replacing
 from active_perceiver.vision.onnx_export import to_onnx
 
 
@@ -23,10 +23,10 @@ class _BothWays(nn.Module):
         super().__init__()
         self.network = network
 
-    def forward(self, view_maps: Tensor, codes: Tensor, target_maps: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    def forward(self, view_maps: Tensor, embeddings: Tensor, target_maps: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """(N, C, h, w), (M, D), (K, C, h, w) -> (N, M) logits, (N, M, 4) boxes, (K, D) codes."""
         network = self.network
-        logits, boxes = network.all_pairs(network.encode_view(network.prepare(view_maps)), codes)
+        logits, boxes = network.all_pairs(network.encode_view(network.prepare(view_maps)), embeddings)
         return logits, boxes, network.encode_target(network.prepare_target(target_maps))
 
 
@@ -45,14 +45,14 @@ def recogniser_onnx(network: RecogniserNetwork, threshold: float = 0.5, backbone
     generator = torch.Generator().manual_seed(0)
     views, targets = (torch.rand(count, *network.map_shape, generator=generator) for count in (2, 4))
     with torch.inference_mode():
-        codes = network.encode_target(network.prepare_target(targets))[:3]
+        embeddings = network.encode_target(network.prepare_target(targets))[:3]
     metadata = {
         "kind": "active-perceiver-recogniser",
         "recogniser": kind_of(network),
         "threshold": repr(threshold),
         "backbone": backbone,
     }
-    inputs = {"view_maps": views, "codes": codes.clone(), "target_maps": targets}
+    inputs = {"view_maps": views, "codes": embeddings.clone(), "target_maps": targets}
     return to_onnx(_BothWays(network), inputs, ["logits", "boxes", "target_codes"], metadata)
 
 

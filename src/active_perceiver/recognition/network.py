@@ -51,7 +51,7 @@ class RecogniserNetwork(nn.Module):
         """(N, ...) prepared target pictures -> (N, D) codes."""
         raise NotImplementedError
 
-    def judge(self, view_codes: Tensor, target_codes: Tensor) -> Tensor:
+    def evaluate_pairs(self, view_embeddings: Tensor, target_embeddings: Tensor) -> Tensor:
         """Compare each view with M targets of its own: (N, ...), (N, M, D) -> (N * M, ...)."""
         raise NotImplementedError
 
@@ -69,10 +69,12 @@ class RecogniserNetwork(nn.Module):
         """
         raise NotImplementedError
 
-    def all_pairs(self, view_codes: Tensor, target_codes: Tensor) -> tuple[Tensor, Tensor]:
+    def all_pairs(self, view_embeddings: Tensor, target_embeddings: Tensor) -> tuple[Tensor, Tensor]:
         """Compare N views with M targets: (N, ...), (M, D) -> (N, M) logits, (N, M, 4) boxes inside the image."""
-        views, targets = view_codes.shape[0], target_codes.shape[0]
-        judged = self.judge(view_codes, target_codes[None].expand(views, targets, target_codes.shape[1]))
+        views, targets = view_embeddings.shape[0], target_embeddings.shape[0]
+        judged = self.evaluate_pairs(
+            view_embeddings, target_embeddings[None].expand(views, targets, target_embeddings.shape[1])
+        )
         logits, boxes = self.decode(judged)
         logits = self.scale * logits + self.shift
         return logits.reshape(views, targets), inside_image(boxes).reshape(views, targets, 4)
@@ -87,9 +89,10 @@ class RecogniserNetwork(nn.Module):
         Returns:
             (N,) presence logits and (N, 4) boxes: centre x, centre y, width, height as fractions of the image.
         """
-        codes = self.encode_target(self.prepare_target(target_maps))
-        judged = self.judge(
-            self.encode_view(self.prepare(view_maps)), codes.expand(view_maps.shape[0], codes.shape[1])[:, None]
+        embeddings = self.encode_target(self.prepare_target(target_maps))
+        judged = self.evaluate_pairs(
+            self.encode_view(self.prepare(view_maps)),
+            embeddings.expand(view_maps.shape[0], embeddings.shape[1])[:, None],
         )
         logits, boxes = self.decode(judged)
         return self.scale * logits + self.shift, inside_image(boxes)
@@ -139,10 +142,10 @@ class PooledRecogniser(RecogniserNetwork):
         """(N, C) -> (N, 512)."""
         return functional.relu(self.target(prepared))
 
-    def judge(self, view_codes: Tensor, target_codes: Tensor) -> Tensor:
+    def evaluate_pairs(self, view_embeddings: Tensor, target_embeddings: Tensor) -> Tensor:
         """(N, 512), (N, M, 512) -> (N * M, 5): a logit and a box."""
-        views = view_codes[:, None].expand(target_codes.shape)
-        fused = functional.relu(self.fuse(torch.cat([views, target_codes], dim=2).flatten(0, 1)))
+        views = view_embeddings[:, None].expand(target_embeddings.shape)
+        fused = functional.relu(self.fuse(torch.cat([views, target_embeddings], dim=2).flatten(0, 1)))
         return torch.cat([self.presence(fused), self.box(fused)], dim=1)
 
     def decode(self, judged: Tensor) -> tuple[Tensor, Tensor]:
@@ -224,14 +227,14 @@ class MatchingRecogniser(RecogniserNetwork):
         weights = (self.attention(prepared).flatten(2) + self.focus).softmax(dim=2)
         return (cells * weights).sum(2) + (cells * self.focus.exp()).amax(2)
 
-    def judge(self, view_codes: Tensor, target_codes: Tensor) -> Tensor:
+    def evaluate_pairs(self, view_embeddings: Tensor, target_embeddings: Tensor) -> Tensor:
         """(N, 192, h, w), (N, M, 128) -> (N * M, 5, h, w): centre logit, and box relative to the cell."""
-        views, targets, width = target_codes.shape
-        view, context = view_codes.flatten(2).split([width, self.hidden], dim=1)
+        views, targets, width = target_embeddings.shape
+        view, context = view_embeddings.flatten(2).split([width, self.hidden], dim=1)
         # compare(view * target) for all targets of a view as one matrix product, without the products in memory.
-        weights = (self.compare.weight * target_codes[:, :, None]).flatten(1, 2)
+        weights = (self.compare.weight * target_embeddings[:, :, None]).flatten(1, 2)
         compared = (weights @ view).reshape(views, targets, self.hidden, view.shape[2])
-        joint = compared + context[:, None] + self.expect(target_codes)[..., None]
+        joint = compared + context[:, None] + self.expect(target_embeddings)[..., None]
         return self.answer(self.refine(joint.reshape(views * targets, self.hidden, *self.map_shape[1:])))
 
     def boxes(self, judged: Tensor) -> Tensor:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.recognition.recogniser import RecogniserError
-from active_perceiver.scenes.labelling import labelled_views
+from active_perceiver.scenes.box_labels import labelled_views
 from active_perceiver.scenes.scene import Scene
 
-PRESENT, ABSENT, UNJUDGED = 1, 0, -1
+PRESENT, ABSENT, IGNORE_INDEX = 1, 0, -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,8 +21,8 @@ class Annotations:
 
     Attributes:
         boxes: (V, T, 4) float32 true boxes; zeros where the target is not visible.
-        states: (V, T) int8: PRESENT, ABSENT, or UNJUDGED, that is too small to tell, of another scene, or in a view
-            that nobody has labelled.
+        states: (V, T) int8: PRESENT, ABSENT, or IGNORE_INDEX, that is too small to tell, of another scene, or in a
+            view that nobody has labelled.
         names: (T,) "scene/target".
         pictures: (T,) number of pictures of each target.
         held_out: (T,) how many of them, the last ones, are never trained with.
@@ -44,7 +44,7 @@ class Annotations:
         views = np.cumsum([0] + [len(scene) for scene in scenes])
         targets = np.cumsum([0] + [len(scene.targets) for scene in scenes])
         boxes = np.zeros((views[-1], targets[-1], 4), np.float32)
-        states = np.full((views[-1], targets[-1]), UNJUDGED, np.int8)
+        states = np.full((views[-1], targets[-1]), IGNORE_INDEX, np.int8)
         places = np.empty(views[-1], np.int64)
         before = 0
         for number, scene in enumerate(scenes):
@@ -52,9 +52,9 @@ class Annotations:
             boxes[rows, columns] = np.nan_to_num(scene.boxes)
             visible = ~np.isnan(scene.boxes[..., 0])
             states[rows, columns] = np.where(
-                visible, np.where(scene.areas >= smallest_area, PRESENT, UNJUDGED), ABSENT
+                visible, np.where(scene.areas >= smallest_area, PRESENT, IGNORE_INDEX), ABSENT
             )
-            states[rows][~labelled_views(scene)] = UNJUDGED
+            states[rows][~labelled_views(scene)] = IGNORE_INDEX
             places[rows] = before + scene.positions
             before += int(scene.positions.max(initial=-1)) + 1
         names = [f"{scene.name}/{target.name}" for scene in scenes for target in scene.targets]
@@ -84,7 +84,7 @@ class Split:
         Places where nothing can be judged do not count. Where there are two others or more, one at least is held out
         and one kept.
         """
-        known = np.unique(data.places[(data.states != UNJUDGED).any(axis=1)])
+        known = np.unique(data.places[(data.states != IGNORE_INDEX).any(axis=1)])
         count = max(min(max(round(places * len(known)), int(places > 0)), len(known) - 1), 0)
         return cls.holding_out(data, np.isin(data.places, rng.permutation(known)[:count]), targets)
 
@@ -160,7 +160,7 @@ class PairSampler:
         self._further = np.zeros(len(data.names), np.int64) if further is None else further
         self._own_pictures = own_pictures
         self._learned = ~split.targets
-        states = np.where(split.views[:, None] | split.targets, UNJUDGED, data.states)
+        states = np.where(split.views[:, None] | split.targets, IGNORE_INDEX, data.states)
         self._with = [np.flatnonzero(column == PRESENT) for column in states.T]
         self._without = [np.flatnonzero(column == ABSENT) for column in states.T]
         self._leads = np.flatnonzero([len(views) > 0 for views in self._with])
@@ -175,10 +175,10 @@ class PairSampler:
         leads = rng.choice(self._leads, views)
         rows = np.array([self._view_for(lead, rng.random() < self._present) for lead in leads])
         order = rng.random((views, len(self._learned)))
-        order[~self._learned[None] | (self._data.states[rows] == UNJUDGED)] += 1.0  # as a last resort
+        order[~self._learned[None] | (self._data.states[rows] == IGNORE_INDEX)] += 1.0  # as a last resort
         order[np.arange(views), leads] = -1.0
         asked = np.argsort(order, axis=1)[:, :targets]
-        states = np.where(self._learned[asked], self._data.states[rows[:, None], asked], UNJUDGED)
+        states = np.where(self._learned[asked], self._data.states[rows[:, None], asked], IGNORE_INDEX)
         boxes = self._data.boxes[rows[:, None], asked]
         return Batch(rows, asked, self._pictures_of(asked), states.astype(np.int8), boxes)
 

@@ -78,7 +78,7 @@ class Recogniser:
         self.threshold = float(metadata["threshold"])
         shapes = {value.name: value.shape for value in self._session.get_inputs()}
         self.map_shape: tuple[int, int, int] = tuple(shapes["view_maps"][1:])
-        self._code_length: int = shapes["codes"][1]
+        self._embedding_length: int = shapes["codes"][1]
 
     def encode_target(self, target_maps: NDArray[np.floating]) -> NDArray[np.float32]:
         """What to look for, from a target picture; needed once a search.
@@ -94,22 +94,22 @@ class Recogniser:
         """
         target_maps = self._checked(target_maps)
         if not len(target_maps):
-            return np.empty((0, self._code_length), np.float32)
+            return np.empty((0, self._embedding_length), np.float32)
         # The graph holds both ways through it, and ONNX Runtime runs all of it: one blank view and code go along.
-        blank_view, blank_code = np.zeros((1, *self.map_shape)), np.zeros((1, self._code_length))
-        codes = self._run(["target_codes"], blank_view, blank_code, target_maps)[0]
-        if not np.isfinite(codes).all():
+        blank_view, blank_embedding = np.zeros((1, *self.map_shape)), np.zeros((1, self._embedding_length))
+        embeddings = self._run(["target_codes"], blank_view, blank_embedding, target_maps)[0]
+        if not np.isfinite(embeddings).all():
             raise RecogniserError("the feature maps of the target picture hold numbers that are not finite")
-        return codes
+        return embeddings
 
     def detect(
-        self, view_maps: NDArray[np.floating], code: NDArray[np.float32]
+        self, view_maps: NDArray[np.floating], embedding: NDArray[np.float32]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Look for one target in views.
 
         Args:
             view_maps: (N, C, h, w) feature maps.
-            code: (D,) or (1, D) float32, from `encode_target`.
+            embedding: (D,) or (1, D) float32, from `encode_target`.
 
         Returns:
             (N,) float32 presence probabilities and (N, 4) float32 boxes (centre x, centre y, width, height as
@@ -118,17 +118,17 @@ class Recogniser:
         Raises:
             RecogniserError: if an array has the wrong shape or is not finite.
         """
-        scores, boxes = self.detect_many(view_maps, np.reshape(code, (1, -1)))
+        scores, boxes = self.detect_many(view_maps, np.reshape(embedding, (1, -1)))
         return scores[:, 0], boxes[:, 0]
 
     def detect_many(
-        self, view_maps: NDArray[np.floating], codes: NDArray[np.float32]
+        self, view_maps: NDArray[np.floating], embeddings: NDArray[np.float32]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Look for M targets in N views; what depends on the view alone is computed once.
 
         Args:
             view_maps: (N, C, h, w) feature maps.
-            codes: (M, D) float32, from `encode_target`.
+            embeddings: (M, D) float32, from `encode_target`.
 
         Returns:
             (N, M) float32 presence probabilities and (N, M, 4) float32 boxes, see `detect`.
@@ -136,17 +136,17 @@ class Recogniser:
         Raises:
             RecogniserError: if an array has the wrong shape or is not finite.
         """
-        if codes.ndim != 2 or codes.shape[1] != self._code_length:
+        if embeddings.ndim != 2 or embeddings.shape[1] != self._embedding_length:
             raise RecogniserError(
-                f"target codes have shape {codes.shape}, expected (N, {self._code_length}); make them anew with this "
-                "recogniser's encode_target"
+                f"target embeddings have shape {embeddings.shape}, expected (N, {self._embedding_length}); make them "
+                "anew with this recogniser's encode_target"
             )
         view_maps = self._checked(view_maps)
-        if not len(view_maps) or not len(codes):
-            nothing = np.empty((len(view_maps), len(codes), 4), np.float32)
+        if not len(view_maps) or not len(embeddings):
+            nothing = np.empty((len(view_maps), len(embeddings), 4), np.float32)
             return nothing[..., 0], nothing
         no_target = np.empty((0, *self.map_shape))
-        logits, boxes = self._run(["logits", "boxes"], view_maps, codes, no_target)
+        logits, boxes = self._run(["logits", "boxes"], view_maps, embeddings, no_target)
         if not np.isfinite(logits).all():
             raise RecogniserError("the feature maps of the view, or the target's code, are not finite numbers")
         return (0.5 + 0.5 * np.tanh(0.5 * logits)).astype(np.float32), boxes
@@ -163,10 +163,10 @@ class Recogniser:
         self,
         outputs: list[str],
         view_maps: NDArray[np.floating],
-        codes: NDArray[np.floating],
+        embeddings: NDArray[np.floating],
         target_maps: NDArray[np.floating],
     ) -> list[NDArray[np.float32]]:
-        inputs = {"view_maps": view_maps, "codes": codes, "target_maps": target_maps}
+        inputs = {"view_maps": view_maps, "codes": embeddings, "target_maps": target_maps}
         contiguous = {name: np.ascontiguousarray(array, np.float32) for name, array in inputs.items()}
         return self._session.run(outputs, contiguous)
 
@@ -194,8 +194,8 @@ def detect_table(
     target_maps = features.target_maps if targets is None else features.target_maps[targets]
     count, pictures = target_maps.shape[:2]
     views = len(features.view_maps)
-    codes = [recogniser.encode_target(maps) for maps in target_maps]
-    flat = np.concatenate(codes) if codes else np.empty((0, 1), np.float32)
+    embeddings = [recogniser.encode_target(maps) for maps in target_maps]
+    flat = np.concatenate(embeddings) if embeddings else np.empty((0, 1), np.float32)
     scores = np.empty((views, len(flat)), np.float32)
     boxes = np.empty((views, len(flat), 4), np.float32)
     chunk = max(1, PAIRS // max(1, len(flat)))

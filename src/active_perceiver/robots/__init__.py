@@ -1,7 +1,6 @@
-"""Robots: anything that can look and act, and the loop that searches with one."""
+"""Robots: anything that can look and act."""
 
 from active_perceiver.robots.recorded import RecordedRobot
-from active_perceiver.robots.robot import Robot, Wanderer
-from active_perceiver.robots.searching import Glimpse, SearchRecord, search
+from active_perceiver.robots.robot import NavigatingRobot, Robot
 
-__all__ = ["Glimpse", "RecordedRobot", "Robot", "SearchRecord", "Wanderer", "search"]
+__all__ = ["RecordedRobot", "Robot", "NavigatingRobot"]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
-from active_perceiver.robots.robot import Leavable, check_action
+from active_perceiver.robots.robot import StopOnExit, check_action
 from active_perceiver.scenes import EIGHT_ACTIONS, Action, Scene
 from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.lattice import LOOK, MOVE_DIRECTION, TURN, lattice_poses
@@ -58,7 +58,7 @@ class Controller(Protocol):
 
 
 @dataclass(frozen=True)
-class ThorSettings:
+class ThorConfig:
     """How a room of AI2-THOR is cut into states, and its camera.
 
     Attributes:
@@ -97,8 +97,8 @@ class ThorSettings:
         return tuple(float(heading) for heading in np.arange(0, 360, self.turn))
 
 
-def captured_source(room: str, settings: ThorSettings, client: str) -> str:
-    """What a captured scene says of where it comes from; `captured_settings` reads it.
+def captured_source(room: str, settings: ThorConfig, client: str) -> str:
+    """What a captured scene says of where it comes from; `captured_config` reads it.
 
     Args:
         room: AI2-THOR's name of it.
@@ -108,7 +108,7 @@ def captured_source(room: str, settings: ThorSettings, client: str) -> str:
     return f"AI2-THOR {room}, grid {settings.grid:g} m, client {client}"
 
 
-def captured_settings(scene: Scene) -> tuple[str, ThorSettings]:
+def captured_config(scene: Scene) -> tuple[str, ThorConfig]:
     """The room that a scene was captured in, and how.
 
     Raises:
@@ -118,7 +118,7 @@ def captured_settings(scene: Scene) -> tuple[str, ThorSettings]:
     if not found:
         raise ThorError(f"scene '{scene.name}' was not captured in AI2-THOR; search in it as --robot scene:FILE")
     headings = np.unique(scene.poses[:, 2])
-    return found[1], ThorSettings(
+    return found[1], ThorConfig(
         grid=float(found[2]),
         turn=90.0 if len(headings) <= 4 else 45.0,
         tilts=tuple(np.unique(scene.poses[:, 3]).tolist()),
@@ -127,7 +127,7 @@ def captured_settings(scene: Scene) -> tuple[str, ThorSettings]:
     )
 
 
-def start_controller(scene: str, settings: ThorSettings) -> Controller:
+def start_controller(scene: str, settings: ThorConfig) -> Controller:
     """Start the simulator in one of its rooms.
 
     Args:
@@ -253,7 +253,7 @@ def teleport(controller: Controller, pose: ThorPose, height: float) -> Any | Non
     return event if is_there and turned <= DEGREES_OFF and abs(there[3] - tilt) <= DEGREES_OFF else None
 
 
-class ThorRobot(Leavable):
+class ThorRobot(StopOnExit):
     """The agent of an AI2-THOR room; leaving it as a context manager ends the simulator.
 
     Args:
@@ -270,13 +270,13 @@ class ThorRobot(Leavable):
     def __init__(
         self,
         controller: Controller,
-        settings: ThorSettings | None = None,
+        settings: ThorConfig | None = None,
         actions: tuple[Action, ...] = EIGHT_ACTIONS,
         start: int | None = None,
         seed: int | None = None,
     ) -> None:
         self.controller = controller
-        self.settings = settings or ThorSettings()
+        self.settings = settings or ThorConfig()
         self._actions = actions
         positions = reachable_positions(controller)
         poses = lattice_poses(positions[:, [0, 2]], self.settings.headings, self.settings.tilts)
@@ -309,7 +309,7 @@ class ThorRobot(Leavable):
         """Where it stands and looks."""
         return event_pose(self._event)
 
-    def do(self, action: Action) -> bool:
+    def execute(self, action: Action) -> bool:
         """Carry out one action. What the simulator refuses, and a look beyond the outermost tilt, changes nothing.
 
         Returns:

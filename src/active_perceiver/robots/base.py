@@ -8,7 +8,7 @@ from typing import Protocol
 from active_perceiver.errors import UserError
 
 # What the limits may be at most; the others 10.
-MOST = {"speed": 1.5, "turning": 180.0, "distance": 10.0, "seconds": 120.0, "period": 0.5}
+MOST = {"speed": 1.5, "angular_velocity": 180.0, "distance": 10.0, "seconds": 120.0, "period": 0.5}
 
 
 class MotionError(UserError, RuntimeError):
@@ -35,7 +35,7 @@ class Odometry:
 class Base(Protocol):
     """What drives and turns."""
 
-    def drive(self, speed: float, turning: float) -> None:
+    def drive(self, speed: float, angular_velocity: float) -> None:
         """Set the velocities: metres per second, negative backwards, and degrees per second, clockwise."""
         ...
 
@@ -62,25 +62,25 @@ class Limits:
 
     Attributes:
         speed: metres per second.
-        turning: degrees per second.
+        angular_velocity: degrees per second.
         distance: metres, of one drive.
         seconds: for one turn or one drive, of which an action has up to three, and as many again where its way is
             blocked; when they are over the base is stopped and the action given up.
         odometry_age: seconds; with older odometry nothing moves.
         stall: seconds without progress after which the way counts as blocked.
-        close: metres; so near is there.
-        straight: degrees; so little beside the heading is there.
+        position_tolerance: metres; so near is there.
+        heading_tolerance: degrees; so little beside the heading is there.
         period: seconds between two commands; for so long the base drives unwatched.
     """
 
     speed: float = 0.25
-    turning: float = 45.0
+    angular_velocity: float = 45.0
     distance: float = 1.5
     seconds: float = 20.0
     odometry_age: float = 0.5
     stall: float = 1.0
-    close: float = 0.01
-    straight: float = 1.0
+    position_tolerance: float = 0.01
+    heading_tolerance: float = 1.0
     period: float = 0.05
 
     def __post_init__(self) -> None:

@@ -1,6 +1,6 @@
 """Metric moves and turns of a base with two driven wheels, closed over its odometry: how actions become motion.
 
-Nothing here knows whether the base is real: `simulated.py` and `rosbridge.py` give it one each. A move is a straight
+Nothing here knows whether the base is real: `simulation` and `ros` give it one each. A move is a straight
 drive to a point that is planned in the frame of the odometry, so what one action leaves undone the next one corrects;
 what the odometry itself gets wrong adds up, as on every robot without a map.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from active_perceiver.robots.base import Base, Limits, MotionError, Odometry
-from active_perceiver.robots.plan import Plan, ahead, counted_from, moved_towards
+from active_perceiver.robots.pose2d import Pose2D, ahead, counted_from, moved_towards
 from active_perceiver.scenes import Action
 from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.lattice import MOVE_DIRECTION, TURN
@@ -31,7 +31,7 @@ NEAR = 0.1
 PART = 0.9
 
 
-class Driver:
+class MotionController:
     """Carries out moves and turns on a base.
 
     Args:
@@ -52,13 +52,13 @@ class Driver:
                 "a smaller step"
             )
         self.limits = limits
-        self.plan: Plan | None = None
-        self.start: Plan | None = None
+        self.plan: Pose2D | None = None
+        self.start: Pose2D | None = None
         self._base = base
         self._step = step
         self._turn = turn
 
-    def do(self, action: Action) -> bool:
+    def execute(self, action: Action) -> bool:
         """Move one step or turn one turn; see `go_to` for what becomes of a way that is blocked.
 
         Returns:
@@ -69,12 +69,12 @@ class Driver:
         """
         here = self._planned()
         if action in TURN:
-            return self.go_to(Plan(here.x, here.z, here.heading + TURN[action] * self._turn))
+            return self.go_to(Pose2D(here.x, here.z, here.heading + TURN[action] * self._turn))
         if action not in MOVE_DIRECTION:
             raise MotionError(f"a base cannot do {action.value}; its actions are moves and turns")
         return self.go_to(ahead(here, self._step, MOVE_DIRECTION[action]))
 
-    def go_to(self, goal: Plan) -> bool:
+    def go_to(self, goal: Pose2D) -> bool:
         """Drive straight to a point of the odometry's frame, turning first if it lies aside, and turn to a heading.
 
         If the way is blocked, it stays, a little back, where that is nearer to the goal than to where it came from,
@@ -125,18 +125,18 @@ class Driver:
         self._travel(before)
         return False
 
-    def _travel(self, goal: Plan) -> bool:
+    def _travel(self, goal: Pose2D) -> bool:
         here = self._planned()
         way = math.degrees(math.atan2(goal.x - here.x, goal.z - here.z))
         parts = math.ceil(math.hypot(goal.x - here.x, goal.z - here.z) / (PART * self.limits.distance))
         for part in range(1, parts):
             share = part / parts
             x, z = here.x + share * (goal.x - here.x), here.z + share * (goal.z - here.z)
-            if not self._arrive(Plan(x, z, driving(here.heading, way))):
+            if not self._arrive(Pose2D(x, z, driving(here.heading, way))):
                 return False
         return self._arrive(goal)
 
-    def _arrive(self, goal: Plan) -> bool:
+    def _arrive(self, goal: Pose2D) -> bool:
         """`go_to`, but what is only nearer to there does not count, and it has to look where it should."""
         if not self.go_to(goal):
             return False
@@ -148,18 +148,18 @@ class Driver:
         finally:
             self._base.drive(0.0, 0.0)
 
-    def _planned(self) -> Plan:
+    def _planned(self) -> Pose2D:
         if self.plan is None:
             at = self._fresh_odometry()
-            self.plan = self.start = Plan(at.x, at.z, at.heading)
+            self.plan = self.start = Pose2D(at.x, at.z, at.heading)
         return self.plan
 
-    def _stay_at(self, place: Plan) -> None:
+    def _stay_at(self, place: Pose2D) -> None:
         """Get to a place as nearly as it can be, and look where one should look there in any case."""
         if not self._reach(place):
             self._face(place.heading)
 
-    def _reach(self, goal: Plan) -> bool:
+    def _reach(self, goal: Pose2D) -> bool:
         at = self._fresh_odometry()
         distance = math.hypot(goal.x - at.x, goal.z - at.z)
         if distance > self.limits.distance:
@@ -167,11 +167,11 @@ class Driver:
                 f"a motion of {distance:.2f} m is longer than the limit 'distance', {self.limits.distance:g} m; the "
                 "robot was not moved"
             )
-        if distance > 2 * self.limits.close:
+        if distance > 2 * self.limits.position_tolerance:
             towards = math.degrees(math.atan2(goal.x - at.x, goal.z - at.z))
             backwards = _lies_behind(at.heading, towards)
             aside = not backwards and abs(signed_angle(towards - at.heading)) > ASIDE
-            if aside and distance > 5 * self.limits.close and not self._face(towards):
+            if aside and distance > 5 * self.limits.position_tolerance and not self._face(towards):
                 return False
             if not self._drive_to(goal, backwards):
                 return False
@@ -180,16 +180,16 @@ class Driver:
     def _face(self, heading: float) -> bool:
         """Turn on the spot; False if the base does not turn."""
         watch = _Watch(self._base, self.limits)
-        while abs(left := signed_angle(heading - self._fresh_odometry().heading)) > self.limits.straight:
-            if watch.stalled(abs(left), self.limits.straight):
+        while abs(left := signed_angle(heading - self._fresh_odometry().heading)) > self.limits.heading_tolerance:
+            if watch.stalled(abs(left), self.limits.heading_tolerance):
                 self._settle()
                 return False
-            rate = min(self.limits.turning, max(EAGERNESS * abs(left), 4 * self.limits.straight))
+            rate = min(self.limits.angular_velocity, max(EAGERNESS * abs(left), 4 * self.limits.heading_tolerance))
             self._command(0.0, math.copysign(rate, left))
         self._settle()
         return True
 
-    def _drive_to(self, goal: Plan, backwards: bool) -> bool:
+    def _drive_to(self, goal: Pose2D, backwards: bool) -> bool:
         """Drive along a straight line to a point; False if the base does not come nearer."""
         start = self._fresh_odometry()
         line = math.atan2(goal.x - start.x, goal.z - start.z)
@@ -201,21 +201,21 @@ class Driver:
             east, north = goal.x - at.x, goal.z - at.z
             left = east * math.sin(line) + north * math.cos(line)
             beside = east * math.cos(line) - north * math.sin(line)  # positive: the line lies to the right of the way
-            if left <= self.limits.close:
+            if left <= self.limits.position_tolerance:
                 self._settle()
                 return True
-            if watch.stalled(left, self.limits.close):
+            if watch.stalled(left, self.limits.position_tolerance):
                 self._settle()
                 return False
             correction = max(-MOST_STEERING, min(MOST_STEERING, 100 * STEERING * beside))
-            turning = EAGERNESS * signed_angle(face + correction - at.heading)
-            turning = max(-self.limits.turning, min(self.limits.turning, turning))
-            speed = max(min(EAGERNESS * left, math.sqrt(2 * BRAKING * left)), 2 * self.limits.close)
+            angular_velocity = EAGERNESS * signed_angle(face + correction - at.heading)
+            angular_velocity = max(-self.limits.angular_velocity, min(self.limits.angular_velocity, angular_velocity))
+            speed = max(min(EAGERNESS * left, math.sqrt(2 * BRAKING * left)), 2 * self.limits.position_tolerance)
             speed = min(self.limits.speed, speed)
-            self._command(sense * speed, turning)
+            self._command(sense * speed, angular_velocity)
 
-    def _command(self, speed: float, turning: float) -> None:
-        self._base.drive(speed, turning)
+    def _command(self, speed: float, angular_velocity: float) -> None:
+        self._base.drive(speed, angular_velocity)
         self._base.wait(self.limits.period)
 
     def _settle(self) -> None:

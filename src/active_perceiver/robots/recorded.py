@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
-from active_perceiver.robots.robot import Leavable, check_action
+from active_perceiver.robots.robot import StopOnExit, check_action
 from active_perceiver.scenes import Action, Scene
 
 
-class RecordedRobot(Leavable):
+class RecordedRobot(StopOnExit):
     """Walks a scene state by state, as in the paper's simulation (section IV-A).
 
     Attributes:
@@ -45,7 +45,7 @@ class RecordedRobot(Leavable):
         """The view of the current state."""
         return self.scene.view(self.state)
 
-    def do(self, action: Action) -> bool:
+    def execute(self, action: Action) -> bool:
         """Move along the transitions; a blocked move leaves the state as it is.
 
         Returns:

@@ -29,7 +29,7 @@ class Robot(Protocol):
         """The camera's current image, (H, W, 3) uint8 RGB."""
         ...
 
-    def do(self, action: Action) -> bool:
+    def execute(self, action: Action) -> bool:
         """Carry out one action and return when it is done.
 
         Returns:
@@ -52,7 +52,7 @@ class Robot(Protocol):
     ) -> None: ...
 
 
-class Leavable:
+class StopOnExit:
     """A robot's `with` block: leaving it, for whatever reason, closes the robot, which at the least stops it."""
 
     def stop(self) -> None:
@@ -88,7 +88,7 @@ def check_action(action: Action, actions: Sequence[Action], kind: type[UserError
 
 
 @runtime_checkable
-class Wanderer(Robot, Protocol):
+class NavigatingRobot(Robot, Protocol):
     """A robot that also finds its way to any point of the floor, by its odometry, as far as that can be trusted."""
 
     @property

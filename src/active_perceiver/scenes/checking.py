@@ -16,7 +16,7 @@ TINY_AREA = 0.0011
 
 
 @dataclass(frozen=True)
-class Problem:
+class SceneIssue:
     """One finding.
 
     Attributes:
@@ -29,24 +29,24 @@ class Problem:
     fatal: bool = False
 
 
-def scene_problems(scene: Scene) -> list[Problem]:
+def scene_issues(scene: Scene) -> list[SceneIssue]:
     """Everything a person should know before training in this scene; fatal findings first."""
     found = [*_moves(scene), *_targets(scene), *_labels(scene), *_views(scene)]
     return sorted(found, key=lambda problem: not problem.fatal)
 
 
-def _moves(scene: Scene) -> list[Problem]:
+def _moves(scene: Scene) -> list[SceneIssue]:
     blocked = scene.transitions == np.arange(len(scene))[:, None]
     if blocked.all():
-        return [Problem("every action is blocked in every state: a robot could not move at all", fatal=True)]
+        return [SceneIssue("every action is blocked in every state: a robot could not move at all", fatal=True)]
     found = []
     stuck = int(blocked.all(axis=1).sum())
     if stuck:
-        found.append(Problem(f"{stuck} states have no way out: a search that gets there is lost"))
+        found.append(SceneIssue(f"{stuck} states have no way out: a search that gets there is lost"))
     parts = np.bincount(islands(scene.transitions))
     if len(parts) > 1:
         found.append(
-            Problem(
+            SceneIssue(
                 f"the states fall into {len(parts)} islands of {', '.join(str(size) for size in parts[:5])}"
                 f"{' ...' if len(parts) > 5 else ''} states: from one no way leads to another and back, and a search "
                 "finds only what is on its own; if the robot can go there, moves or views between them are missing: "
@@ -55,13 +55,13 @@ def _moves(scene: Scene) -> list[Problem]:
         )
     for column, action in enumerate(scene.actions):
         if blocked[:, column].all():
-            found.append(Problem(f"{action.value} is blocked in every state: it could be left out"))
+            found.append(SceneIssue(f"{action.value} is blocked in every state: it could be left out"))
     return found
 
 
-def _targets(scene: Scene) -> list[Problem]:
+def _targets(scene: Scene) -> list[SceneIssue]:
     if not scene.targets:
-        return [Problem("no objects are marked: only views can be searched for, with `train --task view`")]
+        return [SceneIssue("no objects are marked: only views can be searched for, with `train --task view`")]
     if scene.labels is not None and not scene.labels.any():
         return []  # what is not labelled yet is said in `_labels`
     found = []
@@ -70,44 +70,50 @@ def _targets(scene: Scene) -> list[Problem]:
         largest = float(scene.areas[:, index].max())
         if largest == 0:
             found.append(
-                Problem(f"'{name}' is never visible: it can be no target of a search", fatal=not goals.any())
+                SceneIssue(f"'{name}' is never visible: it can be no target of a search", fatal=not goals.any())
             )
             continue
         if largest < TINY_AREA:
             pixels = np.sqrt(largest) * scene.image_size
-            found.append(Problem(f"'{name}' is at most {pixels:.0f} pixels large: too small to be recognised"))
+            found.append(SceneIssue(f"'{name}' is at most {pixels:.0f} pixels large: too small to be recognised"))
         unreachable = int((steps_to_goal(scene.transitions, goals[:, index]) == UNREACHABLE).sum())
         if unreachable == len(scene) - int(goals[:, index].sum()) > 0:
-            found.append(Problem(f"no goal state of '{name}' can be reached from anywhere else", fatal=True))
+            found.append(SceneIssue(f"no goal state of '{name}' can be reached from anywhere else", fatal=True))
         elif unreachable:
             found.append(
-                Problem(f"from {unreachable} states no goal state of '{name}' can be reached; no search starts there")
+                SceneIssue(
+                    f"from {unreachable} states no goal state of '{name}' can be reached; no search starts there"
+                )
             )
     return found
 
 
-def _labels(scene: Scene) -> list[Problem]:
+def _labels(scene: Scene) -> list[SceneIssue]:
     if scene.labels is None:
         return []
     unlabelled, proposed = (int((scene.labels == state).sum()) for state in (UNLABELLED, PROPOSED))
     found = []
     if unlabelled:
         found.append(
-            Problem(
+            SceneIssue(
                 f"{unlabelled} views are not labelled: no recogniser learns from them, and no search ends there; see"
                 " `scenes label`"
             )
         )
     if proposed:
-        found.append(Problem(f"the boxes of {proposed} views were proposed by a recogniser and not looked at since"))
+        found.append(
+            SceneIssue(f"the boxes of {proposed} views were proposed by a recogniser and not looked at since")
+        )
     return found
 
 
-def _views(scene: Scene) -> list[Problem]:
+def _views(scene: Scene) -> list[SceneIssue]:
     found = []
     copies = sum(count - 1 for count in Counter(scene.views).values())
     if copies:
-        found.append(Problem(f"{copies} views are exact copies of others: a policy cannot tell these states apart"))
+        found.append(
+            SceneIssue(f"{copies} views are exact copies of others: a policy cannot tell these states apart")
+        )
     broken, sizes = 0, Counter[tuple[int, ...]]()
     for state in range(len(scene)):
         try:
@@ -115,16 +121,16 @@ def _views(scene: Scene) -> list[Problem]:
         except ImageError:
             broken += 1
     if broken:
-        found.append(Problem(f"{broken} views cannot be decoded: capture the scene again", fatal=True))
+        found.append(SceneIssue(f"{broken} views cannot be decoded: capture the scene again", fatal=True))
     odd = sum(count for size, count in sizes.items() if size != (scene.image_size,) * 2)
     if odd:
         found.append(
-            Problem(f"{odd} views are not {scene.image_size} x {scene.image_size} pixels; they will be scaled")
+            SceneIssue(f"{odd} views are not {scene.image_size} x {scene.image_size} pixels; they will be scaled")
         )
     for target in scene.targets:
         if copies := len(set(target.pictures[: target.trained]) & set(target.pictures[target.trained :])):
             found.append(
-                Problem(
+                SceneIssue(
                     f"{copies} pictures of '{target.name}' that are held out are exact copies of others that are "
                     "trained with: figures for pictures never seen would be too good"
                 )
@@ -133,5 +139,5 @@ def _views(scene: Scene) -> list[Problem]:
             try:
                 target.picture(index)
             except ImageError as error:
-                found.append(Problem(str(error), fatal=True))
+                found.append(SceneIssue(str(error), fatal=True))
     return found

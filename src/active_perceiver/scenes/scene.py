@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
+from active_perceiver.scenes.floor_plan import FloorPlan
 from active_perceiver.scenes.images import decode_image
 from active_perceiver.scenes.lattice import Action
 
@@ -70,19 +71,6 @@ class Target:
     def picture(self, index: int = 0) -> NDArray[np.uint8]:
         """Decode one picture, (H, W, 3) uint8 RGB."""
         return decode_image(self.pictures[index], f"picture {index} of target '{self.name}'")
-
-
-@dataclass(frozen=True)
-class FloorPlan:
-    """The room seen from above, for figures.
-
-    Attributes:
-        outline: (K, 2) x, z in metres, the walls.
-        obstacles: (label, (K, 2) polygon) pairs, what stands in the room.
-    """
-
-    outline: NDArray[np.float64]
-    obstacles: tuple[tuple[str, NDArray[np.float64]], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

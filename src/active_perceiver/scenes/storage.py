@@ -18,10 +18,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.files import replacing
+from active_perceiver.scenes.floor_plan import FloorPlan
 from active_perceiver.scenes.hdf5 import check_heaps, check_stored
 from active_perceiver.scenes.lattice import Action
-from active_perceiver.scenes.scene import FloorPlan, Scene, SceneError, Target
+from active_perceiver.scenes.scene import Scene, SceneError, Target
+from active_perceiver.utils.files import replacing
 
 if TYPE_CHECKING:
     import h5py

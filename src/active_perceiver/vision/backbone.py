@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
-from active_perceiver.files import replacing
 from active_perceiver.scenes.images import square_image
+from active_perceiver.utils.files import replacing
 from active_perceiver.vision.sessions import ModelFileError, open_session
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.errors import UserError
-from active_perceiver.files import replacing
 from active_perceiver.scenes.scene import Scene
+from active_perceiver.utils.files import replacing
 from active_perceiver.vision.backbone import BATCH, Backbone, cache_folder, pooled, pooled_middle
 
 # Part of every file's name: to be raised when the same key would mean other content.

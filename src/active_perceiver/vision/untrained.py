@@ -8,7 +8,7 @@ from pathlib import Path
 import torch
 from torch import nn
 
-from active_perceiver.files import replacing
+from active_perceiver.utils.files import replacing
 from active_perceiver.vision.backbone import IMAGE_SIZE, Backbone, check_backbone
 from active_perceiver.vision.efficientnet_lite import EfficientNetLite0
 from active_perceiver.vision.onnx_export import backbone_onnx

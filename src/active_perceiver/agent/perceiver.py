@@ -1,0 +1,286 @@
+"""ActivePerceiver: backbone, seeker and policy together, the thing that runs on a robot. Never imports torch."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.agent.checksums import check_files
+from active_perceiver.agent.config import AgentConfig, AgentError
+from active_perceiver.agent.controller import SearchController
+from active_perceiver.agent.exploration import Explorer, ViewMap, map_file
+from active_perceiver.agent.found_criterion import FoundCriterion
+from active_perceiver.agent.loop_escape import is_alike
+from active_perceiver.agent.target_matching import TargetGallery
+from active_perceiver.goals import GOAL_DETECTORS
+from active_perceiver.goals.goal import GoalDetector
+from active_perceiver.goals.object_goal import ObjectDetector
+from active_perceiver.policies.policy import Policy
+from active_perceiver.recognition.recogniser import Detection, Recogniser
+from active_perceiver.scenes import Action, decode_image, read_image
+from active_perceiver.utils.files import OutputExistsError, replacing_folder
+from active_perceiver.utils.linalg import unit_vectors
+from active_perceiver.vision.backbone import Backbone, load_backbone, pooled
+from active_perceiver.vision.location import location_mask
+
+
+@dataclass(frozen=True)
+class Step:
+    """What the agent makes of one image.
+
+    Attributes:
+        action: what to do next; meaningless once found.
+        detection: where it sees the target, or None if it does not.
+        probabilities: (A,) float64, from which the action was drawn, in the order of `ActivePerceiver.actions`: the
+            policy's, flattened where the search has been before (see `escape_loop`), or 1 for one action if the
+            search is lost and the room explored (see `Explorer`).
+        found: its own word that it is in front of the target.
+    """
+
+    action: Action
+    detection: Detection | None
+    probabilities: NDArray[np.float64]
+    found: bool
+
+
+class ActivePerceiver:
+    """Searches for what a picture shows: `reset` with the picture, then `act` on one image after the other.
+
+    Attributes:
+        folder: where the agent is kept.
+        config: how it is put together.
+        backbone: makes features of images.
+        confirm: whether it says found only if the view before, from another pose, nearly showed the target as well.
+        explore: whether it looks round the room when the policy leads in circles.
+        goal_detector: how it knows what it searches for.
+        policy: how it gets there.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        config: AgentConfig,
+        backbone: Backbone,
+        threads: int | None = None,
+        *,
+        confirm: bool = False,
+        explore: bool = True,
+    ) -> None:
+        """Load the networks of an agent folder; `from_pretrained` is the usual way in."""
+        if confirm and config.task == "view":
+            raise AgentError(f"{folder} searches for views: no other view can confirm one; leave out confirm")
+        self.folder = folder
+        self.config = config
+        self.confirm = confirm
+        self.explore = explore
+        self.backbone = backbone
+        self.goal_detector: GoalDetector = GOAL_DETECTORS[config.task](folder, config, backbone, threads)
+        # It runs on one thread whatever is allowed: one observation is too little work to share.
+        self.policy = Policy(folder / "policy.onnx")
+        self._branch = ""
+        self._rooms: dict[str, ViewMap] = {}
+
+    @classmethod
+    def from_pretrained(
+        cls, folder: Path | str, threads: int | None = None, *, confirm: bool = False, explore: bool = True
+    ) -> ActivePerceiver:
+        """Load an agent.
+
+        Args:
+            folder: made by `active-perceiver train`, `active-perceiver export` or `save_pretrained`.
+            threads: CPU threads that an action may take; None for one per core.
+            confirm: take two views in a row, from different poses, to say found. A wrong detection then seldom ends
+                a search; a right one costs about a step more.
+            explore: look round the room, which the agent remembers, when the policy leads in circles, because the
+                target is not where it was.
+
+        Raises:
+            AgentError: if the folder is no agent, lacks a file or holds a damaged one (see `check_files`), `threads`
+                is less than 1, or it searches for views and is told to confirm.
+            BackboneError: if the backbone is neither in the folder nor in the cache and cannot be made here.
+        """
+        if threads is not None and threads < 1:
+            raise AgentError(f"an agent needs at least 1 thread, got {threads}; leave it out for one per core")
+        folder = Path(folder)
+        check_files(folder)
+        config = AgentConfig.load(folder)
+        for name in (*GOAL_DETECTORS[config.task].files, "policy.onnx"):
+            if not (folder / name).is_file():
+                raise AgentError(f"{folder} lacks {name}; train the agent again, or copy the whole folder")
+        backbone = load_backbone(config.backbone, folder, config.image_size, threads)
+        return cls(folder, config, backbone, threads, confirm=confirm, explore=explore)
+
+    def save_pretrained(self, folder: Path | str) -> None:
+        """Copy the agent to a new folder; it appears there whole or not at all.
+
+        Raises:
+            OutputExistsError: if the folder exists.
+            OutputError: if it cannot be written.
+        """
+        folder = Path(folder)
+        if folder.exists():
+            raise OutputExistsError(f"{folder} exists; give another name")
+        with replacing_folder(folder) as made:
+            shutil.copytree(self.folder, made, dirs_exist_ok=True)
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """The actions of the current search, in the order of `Step.probabilities`.
+
+        Raises:
+            AgentError: before the first `reset`.
+        """
+        self._check_reset()
+        return self.config.actions(self._branch)
+
+    @property
+    def recogniser(self) -> Recogniser:
+        """What draws its boxes.
+
+        Raises:
+            AgentError: if it searches for views and has none.
+        """
+        return self._object_detector.recogniser
+
+    @property
+    def gallery(self) -> TargetGallery:
+        """The objects it was trained for.
+
+        Raises:
+            AgentError: if it searches for views.
+        """
+        return self._object_detector.gallery
+
+    @property
+    def criterion(self) -> FoundCriterion:
+        """When it says found in the current search for an object.
+
+        Raises:
+            AgentError: if it searches for views.
+        """
+        return self._object_detector.criterion
+
+    @property
+    def _object_detector(self) -> ObjectDetector:
+        if not isinstance(self.goal_detector, ObjectDetector):
+            raise AgentError(f"{self.folder} searches for views of its scenes: it has no recogniser of objects")
+        return self.goal_detector
+
+    def reset(
+        self, picture: NDArray[np.uint8] | Path | str, scene: str | None = None, seed: int | None = None
+    ) -> None:
+        """Begin a search.
+
+        Args:
+            picture: the object on its own, or the view if it searches for views: (H, W, 3) uint8 RGB of any size,
+                or an image file.
+            scene: the policy branch to use; may be left out if there is only one.
+            seed: the draws of actions follow from it.
+
+        Raises:
+            AgentError: if the branch is unknown, or not given where there are several.
+            ImageError: if the picture is a file that cannot be read.
+        """
+        trained = ", ".join(self.config.branches)
+        if scene is None and len(self.config.branches) > 1:
+            raise AgentError(f"this agent knows several scenes ({trained}); say which one it is in")
+        branch = scene or next(iter(self.config.branches))
+        if branch not in self.config.branches:
+            raise AgentError(f"this agent was not trained in '{branch}'; it knows {trained}")
+        image = picture if isinstance(picture, np.ndarray) else read_image(picture)
+        self._target = self.goal_detector.begin(self.backbone.maps([image]), branch)
+        self._branch = branch
+        self._random = np.random.default_rng(seed)
+        self._looks: list[tuple[NDArray[np.float32], int]] = []
+        self._last = -1
+        self._blocked: set[int] = set()
+        self._room = self.room(branch)
+        explorer = None
+        if self._room is not None:
+            explorer = Explorer(self._room, self.criterion.area, self.config.score_threshold)
+        self._controller = SearchController(self.confirm, explorer)
+
+    def room(self, branch: str) -> ViewMap | None:
+        """What it remembers of a scene; None if it remembers nothing, or is not to explore.
+
+        Raises:
+            AgentError: if what it remembers is damaged.
+        """
+        path = map_file(self.folder, branch)
+        if not self.explore or not path.is_file():
+            return None
+        if branch not in self._rooms:
+            self._rooms[branch] = ViewMap.load(path)
+        return self._rooms[branch]
+
+    def act(self, image: NDArray[np.uint8] | bytes, robot_moved: bool | None = None) -> Step:
+        """Look at one image and decide.
+
+        Args:
+            image: what the robot sees now: (H, W, 3) uint8 RGB, or encoded, as a camera's JPEG is, which is the
+                faster way because it is decoded no larger than the backbone needs it.
+            robot_moved: whether the last action moved the robot, as `Robot.execute` says; None to tell by the views:
+                one that is like the last one then means that the action was blocked.
+
+        Raises:
+            AgentError: before the first `reset`.
+            ImageError: if an encoded image cannot be read.
+        """
+        self._check_reset()
+        if isinstance(image, bytes):
+            image = decode_image(image, "the robot's image", self.backbone.image_size)
+        maps = self.backbone.maps([image])
+        goal_observation = self.goal_detector.observe(maps)
+        mask = location_mask(
+            np.full(4, np.nan) if goal_observation.detection is None else goal_observation.detection.box
+        )
+        view = pooled(maps)
+        probabilities = self.policy.probabilities(view, self._target, mask[None], self._branch)[0]
+        descriptor = unit_vectors(view[0])
+        likeness = None if self._room is None else self._room.descriptors @ descriptor
+        probabilities = self._possible(probabilities, robot_moved)
+        alike = self._seen_before(descriptor, -1 if likeness is None else int(likeness.argmax()))
+        if alike and robot_moved is not None:
+            alike[-1] = not robot_moved
+        probabilities, found = self._controller.step(
+            goal_observation,
+            probabilities,
+            earlier=sum(alike),
+            view_changed=bool(alike) and not alike[-1],
+            likeness=likeness,
+            robot_moved=robot_moved,
+        )
+        draw = int(self._random.choice(len(probabilities), p=probabilities))
+        self._controller.notify_action(draw)
+        self._last = draw
+        return Step(
+            action=self.actions[draw], detection=goal_observation.detection, probabilities=probabilities, found=found
+        )
+
+    def _possible(self, probabilities: NDArray[np.floating], robot_moved: bool | None) -> NDArray[np.floating]:
+        """The policy's probabilities without the actions that have been tried here, and are blocked."""
+        if robot_moved is False:
+            self._blocked.add(self._last)
+        elif robot_moved:
+            self._blocked.clear()
+        left = probabilities.copy()
+        left[list(self._blocked)] = 0.0
+        return left / left.sum() if left.sum() > 0 else probabilities
+
+    def _seen_before(self, descriptor: NDArray[np.float32], state: int) -> list[bool]:
+        """Which of the earlier looks of this search were at the same view, and note this one.
+
+        A robot that is a little off the lattice never sees quite the same again; an agent that remembers the room
+        (`state` is what the view is most like there) takes what is most like one state for one view.
+        """
+        alike = [is_alike(earlier, descriptor) or 0 <= state == place for earlier, place in self._looks]
+        self._looks.append((descriptor, state))
+        return alike
+
+    def _check_reset(self) -> None:
+        if not self._branch:
+            raise AgentError("call reset(picture) first: the agent does not know what to search for")

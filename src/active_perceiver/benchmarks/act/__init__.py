@@ -1,0 +1,1 @@
+"""`benchmark act`: how long one action takes, and what a start costs."""

@@ -1,0 +1,1 @@
+"""`benchmark env`: environment steps per second."""

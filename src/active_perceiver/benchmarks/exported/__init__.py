@@ -1,0 +1,1 @@
+"""`benchmark export`: an exported agent where little is installed."""

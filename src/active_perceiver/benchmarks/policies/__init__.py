@@ -1,0 +1,1 @@
+"""`benchmark policies`: how good policies are in many rooms, over many seeds."""

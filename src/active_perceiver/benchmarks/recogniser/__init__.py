@@ -1,0 +1,1 @@
+"""`benchmark recogniser`: what each ingredient of the recogniser's training is worth."""

@@ -1,0 +1,1 @@
+"""`benchmark render`: how long rooms take to make, to light and to photograph."""

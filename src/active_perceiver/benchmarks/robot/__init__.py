@@ -1,0 +1,1 @@
+"""`benchmark robot`: a robot that is never quite on the lattice."""

@@ -1,0 +1,1 @@
+"""`benchmark scale`: what training costs as scenes get more and larger."""

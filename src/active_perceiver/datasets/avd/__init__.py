@@ -1,0 +1,1 @@
+"""The Active Vision Dataset (Ammirato et al., ICRA 2017)."""

@@ -1,0 +1,1 @@
+"""Boxes as COCO files, which labelling tools write and read."""

@@ -1,0 +1,1 @@
+"""Scene dumps of Zhu et al. (ICRA 2017)."""

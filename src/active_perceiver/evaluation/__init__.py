@@ -1,0 +1,1 @@
+"""How good an agent is: its detections, its policy, and the searches that it ends itself."""

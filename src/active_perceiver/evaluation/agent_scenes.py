@@ -1,0 +1,32 @@
+"""The scenes that an agent was trained in, opened again to measure it there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from active_perceiver.agent.perceiver import ActivePerceiver
+from active_perceiver.errors import UserError
+from active_perceiver.scenes import Scene, open_scene
+from active_perceiver.utils.progress import progress_bar
+from active_perceiver.vision.backbone import Backbone
+from active_perceiver.vision.cache import SceneFeatures, scene_features
+
+
+def agent_scenes(agent: ActivePerceiver) -> Iterator[tuple[Scene, list[str]]]:
+    """Each of an agent's scenes with the names of the targets it was trained for there.
+
+    Raises:
+        SceneError: if one of them is no longer there.
+        UserError: if there is another one in its place.
+    """
+    for source in agent.config.training["scenes"]:
+        scene = open_scene(source)
+        if scene.name not in agent.config.branches:
+            raise UserError(f"the agent was trained in {list(agent.config.branches)}, but {source} is '{scene.name}'")
+        yield scene, [target.name for target in agent.config.targets if target.scene == scene.name]
+
+
+def features_of(scene: Scene, backbone: Backbone) -> SceneFeatures:
+    """A scene's features, with a progress bar."""
+    with progress_bar(f"features of {scene.name}") as report:
+        return scene_features(scene, backbone, report)

@@ -1,0 +1,101 @@
+"""What an agent would see and do everywhere in its scenes, as tables to search in by its own word."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.agent.controller import SearchController
+from active_perceiver.agent.exploration import Explorer, ViewMap
+from active_perceiver.agent.found_criterion import FoundCriterion
+from active_perceiver.agent.perceiver import ActivePerceiver
+from active_perceiver.envs.task import SearchTask
+from active_perceiver.evaluation import stop_evaluation
+from active_perceiver.evaluation.config import EvaluateConfig
+from active_perceiver.evaluation.detections import DetectionTable
+from active_perceiver.goals.goal import GoalObservation
+from active_perceiver.goals.object_goal import observe_goal
+from active_perceiver.policies.policy import policy_table
+from active_perceiver.utils.linalg import unit_vectors
+
+# In which scenes, and with which of the pictures there, an agent is asked to search.
+Asked = Sequence[tuple[DetectionTable, list[int]]]
+
+
+def evaluate_stops(agent: ActivePerceiver, asked: Asked, settings: EvaluateConfig) -> dict[str, Any]:
+    """Searches that the agent ends itself, from random starts.
+
+    Args:
+        agent: what to measure.
+        asked: what it sees in its scenes with the pictures it is asked with, see `with_query_pictures`, and which of
+            these.
+        settings: how.
+
+    Returns:
+        "overall": means, see `stop_evaluation.overall`; "per_target": for each target the fields of a
+            `StopEvaluation`.
+    """
+    rng = np.random.default_rng(settings.seed)
+    tables = [one for seen, pictures in asked for one in scene_tables(agent, seen, pictures, settings)]
+    results = [stop_evaluation.search_until_found(one, settings.searches, rng) for one in tables]
+    return {"overall": stop_evaluation.overall(results), "per_target": [asdict(result) for result in results]}
+
+
+def scene_tables(
+    agent: ActivePerceiver, seen: DetectionTable, pictures: list[int], settings: EvaluateConfig
+) -> list[stop_evaluation.SearchTables]:
+    """One for each target."""
+    threshold = agent.config.score_threshold
+    task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
+    observations = seen.observations(threshold, pictures)
+    probabilities = np.stack(
+        [policy_table(agent.policy, observations, seen.scene.name, k) for k in range(len(pictures))], axis=2
+    )
+    alike = stop_evaluation.alike_views(seen.view_features)
+    room = agent.room(seen.scene.name) if settings.explore else None
+    likeness = None if room is None else unit_vectors(seen.view_features) @ room.descriptors.T
+    tables = []
+    for index, name in enumerate(seen.names):
+        # As `ActivePerceiver.reset` does: the picture alone tells what is enough.
+        embeddings = seen.target_embeddings[index][pictures]
+        criteria = [
+            agent.gallery.criterion(agent.gallery.match(embedding, seen.scene.name)) for embedding in embeddings
+        ]
+        scores, boxes = (array[:, index][:, pictures] for array in (seen.scores, seen.boxes))
+        tables.append(
+            stop_evaluation.SearchTables(
+                scene=seen.scene.name,
+                target=name,
+                probabilities=probabilities[:, index],
+                goal_observations=partial(_goal_observation, scores, boxes, threshold, criteria),
+                right=stop_evaluation.is_on_object(boxes, seen.scene.boxes[:, seen.targets[index]]),
+                transitions=task.transitions,
+                steps=task.steps[:, index],
+                alike=alike,
+                controller=partial(_controller, settings.confirm, room, threshold, criteria),
+                likeness=likeness,
+            )
+        )
+    return tables
+
+
+def _goal_observation(
+    scores: NDArray[np.floating],
+    boxes: NDArray[np.floating],
+    threshold: float,
+    criteria: Sequence[FoundCriterion],
+    state: int,
+    picture: int,
+) -> GoalObservation:
+    return observe_goal(float(scores[state, picture]), boxes[state, picture], threshold, criteria[picture])
+
+
+def _controller(
+    confirm: bool, room: ViewMap | None, threshold: float, criteria: Sequence[FoundCriterion], picture: int
+) -> SearchController:
+    return SearchController(confirm, None if room is None else Explorer(room, criteria[picture].area, threshold))

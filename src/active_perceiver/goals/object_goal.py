@@ -1,0 +1,71 @@
+"""The object in a picture as a goal: the recogniser draws a box, and one that is large enough means found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_perceiver.agent.config import AgentConfig
+from active_perceiver.agent.found_criterion import FoundCriterion
+from active_perceiver.agent.target_matching import RECOGNISER_FILE, TargetGallery
+from active_perceiver.goals.goal import GoalObservation
+from active_perceiver.recognition.recogniser import Detection, Recogniser
+from active_perceiver.vision.backbone import Backbone, pooled_middle
+
+
+def observe_goal(
+    score: float, box: NDArray[np.floating], threshold: float, criterion: FoundCriterion
+) -> GoalObservation:
+    """What an agent that searches for an object makes of what its recogniser says of an image.
+
+    Args:
+        score: presence probability.
+        box: (4,) where the object would be.
+        threshold: presence probability from which on it counts as seen.
+        criterion: when it says found.
+    """
+    if score < threshold:
+        return GoalObservation(None, found=False, nearly=False)
+    seen = Detection(score, box)
+    met, nearly = (bool(check(seen.score, seen.area)) for check in (criterion.met, criterion.nearly_met))
+    return GoalObservation(seen, found=met, nearly=nearly)
+
+
+class ObjectDetector:
+    """Looks for the object in a picture: its recogniser draws a box, and a box that is large enough means found.
+
+    A picture of a known target, however it was taken, is taken for the picture of that target which it is most like:
+    with the ones they were trained with, recogniser and policy work best.
+
+    Attributes:
+        recogniser: draws the boxes.
+        gallery: the targets the agent was trained for.
+        criterion: when it says found in the current search.
+    """
+
+    files: ClassVar[tuple[str, ...]] = (RECOGNISER_FILE,)
+    criterion: FoundCriterion
+
+    def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None) -> None:
+        self.recogniser = Recogniser(folder / RECOGNISER_FILE, threads)
+        self.gallery = TargetGallery(folder, config, backbone, self.recogniser)
+        self._score_threshold = config.score_threshold
+
+    def begin(self, maps: NDArray[np.float32], branch: str) -> NDArray[np.float32]:
+        """See `GoalDetector.begin`."""
+        self._code = self.recogniser.encode_target(maps)
+        match = self.gallery.match(self._code[0], branch)
+        self.criterion = self.gallery.criterion(match)
+        if match is None:
+            return pooled_middle(maps)
+        known = self.gallery.pictures(match.target)
+        self._code = known.embeddings[[match.picture]]
+        return known.features[[match.picture]]
+
+    def observe(self, maps: NDArray[np.float32]) -> GoalObservation:
+        """See `GoalDetector.observe`."""
+        scores, boxes = self.recogniser.detect(maps, self._code)
+        return observe_goal(float(scores[0]), boxes[0], self._score_threshold, self.criterion)

@@ -1,0 +1,1 @@
+"""Asynchronous advantage actor-critic, the paper's learner: a process for each scene and target."""

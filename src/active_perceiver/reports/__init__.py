@@ -1,0 +1,1 @@
+"""Pages that show what was searched, measured or trained, each one file."""

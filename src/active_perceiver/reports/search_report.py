@@ -1,0 +1,178 @@
+"""What is made of a search that has ended: a video, a page, pictures and its steps as JSON."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from PIL import Image
+
+from active_perceiver.figures.annotate import draw_detection
+from active_perceiver.figures.video import write_video
+from active_perceiver.live import SearchRecord
+from active_perceiver.live.config import RecordingHeader
+from active_perceiver.live.recorder import step_json
+from active_perceiver.live.recording import Recording, read_recording
+from active_perceiver.live.search_loop import MAX_MINUTES, MAX_STEPS
+from active_perceiver.reports import page
+from active_perceiver.reports.search_card import path_png, search_card
+from active_perceiver.scenes.floor_plan import HasFloorPlan
+from active_perceiver.utils.files import OutputExistsError, replacing
+from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
+from active_perceiver.utils.result import format_number, write_result
+
+REPORT_FILES = ("search.mp4", "report.html", "path.png", "final.png", "search.json")
+
+
+def report_command(folder: Path, out: Path | None = None, *, force: bool = False) -> None:
+    """Make a report of a recording and say where it is.
+
+    Args:
+        folder: of the recording.
+        out: folder for the report; that of the recording if not given.
+        force: replace an earlier report.
+
+    Raises:
+        UserError: if the recording cannot be read, or a report is there and may not be replaced.
+    """
+    out = out or folder
+    check_report(out, force)
+    recording = read_recording(folder)
+    print(verdict(recording.record))
+    write_report(recording, out)
+
+
+def check_report(out: Path, force: bool) -> None:
+    """Make sure that a report may be written into a folder.
+
+    Raises:
+        OutputExistsError: if there is one that may not be replaced, or it is no folder.
+    """
+    if out.exists() and not out.is_dir():
+        raise OutputExistsError(f"{out} is a file; a report needs a folder: give another name")
+    there = [name for name in REPORT_FILES if (out / name).exists()]
+    if there and not force:
+        raise OutputExistsError(f"{out / there[0]} exists; give another --out, or --force to replace the report")
+
+
+def write_report(recording: Recording, out: Path) -> None:
+    """Write what `REPORT_FILES` names, and print where; without poses there is no `path.png`.
+
+    Args:
+        recording: a search, read from the disk or just ended.
+        out: folder; made if it is not there.
+    """
+    setup, record = recording.setup, recording.record
+    with progress_bar("video") as report:
+        write_search(record, setup.floor, setup.label, out, setup.place, report)
+    body = [
+        search_card(record, setup.label, verdict(record), (out / "search.mp4").read_bytes(), setup.floor),
+        "<h2>What it saw and did</h2>",
+        _steps_table(record),
+        "<h2>What it was asked to do</h2>",
+        _setup_table(setup, record),
+    ]
+    begun = setup.started[:16].replace("T", " ")
+    lead = f"A search in {setup.place}, begun {begun}. {verdict(record).capitalize()}."
+    if setup.dry_run:
+        lead += " The agent looked and decided; nothing it decided was carried out."
+    page.write_page(out / "report.html", f"Search for {setup.label}", lead, body)
+    written = [name for name in REPORT_FILES if (out / name).exists()]
+    print(f"written into {out}: {', '.join(written)}")
+
+
+def write_search(
+    record: SearchRecord,
+    room: HasFloorPlan | None,
+    label: str,
+    out: Path,
+    place: str,
+    report: ProgressCallback = quiet,
+) -> None:
+    """Write `search.mp4`, `path.png` (if poses are known), `final.png` and `search.json` into a folder.
+
+    Args:
+        record: the search.
+        room: for the floor plan; without it the path is shown on plain axes.
+        label: name of what was searched.
+        out: the folder.
+        place: name of the scene or room.
+        report: called after every frame of the video.
+    """
+    write_video(record, out / "search.mp4", room, label, force=True, report=report)
+    path = path_png(record, label, room)
+    if path is None:
+        (out / "path.png").unlink(missing_ok=True)  # of an earlier search
+    else:
+        with replacing(out / "path.png") as temporary:
+            temporary.write_bytes(path)
+    last = record.step_records[-1]
+    with replacing(out / "final.png") as temporary:
+        Image.fromarray(draw_detection(last.image, last.step.detection, label)).save(temporary)
+    body = {
+        "scene": place,
+        "found": record.found,
+        "reason": record.reason,
+        "dry_run": record.dry_run,
+        "actions": record.actions,
+        "seconds": record.seconds,
+        "steps": [step_json(step_record) for step_record in record.step_records],
+    }
+    write_result(out / "search.json", "search", body)
+
+
+def verdict(record: SearchRecord) -> str:
+    """One line on how a search ended."""
+    spent = f"{record.actions} actions in {record.seconds:.1f} s"
+    if record.dry_run:
+        looks, times = len(record.step_records), sum(step_record.step.found for step_record in record.step_records)
+        early = "" if record.reason in (MAX_STEPS, MAX_MINUTES) else f" ({record.reason})"
+        return f"dry run{early}: {looks} looks in {record.seconds:.1f} s, nothing moved; would say found at {times}"
+    if record.found:
+        return f"found after {spent}"
+    if record.reason in (MAX_STEPS, MAX_MINUTES):
+        return f"not found: gave up after {spent} ({record.reason})"
+    cause, _, detail = record.reason.partition(": ")
+    return f"{cause} after {spent}" + (f": {detail}" if detail else "")
+
+
+def _steps_table(record: SearchRecord) -> str:
+    rows, last = [], len(record.step_records) - 1
+    for look, step_record in enumerate(record.step_records):
+        detection = step_record.step.detection
+        rows.append(
+            [
+                look,
+                format_number(None if detection is None else detection.score, ".2f"),
+                "-" if detection is None else f"{100 * detection.area:.1f} %",
+                record.caption(look) if record.dry_run or look == last else step_record.step.action.value,
+                {True: "yes", False: "no", None: "-"}[record.robot_moved(look)],
+                f"{step_record.seconds:.1f}",
+            ]
+        )
+    note = (
+        "Score: the agent's confidence that it sees what it searches for; area: of its box, as a share of the view; "
+        "moved: whether the action changed where the robot is, if the robot says."
+    )
+    head = ["look", "score", "area", "decided", "moved", "seconds"]
+    return f"<p>{page.text(note)}</p>{page.table(head, rows)}"
+
+
+def _setup_table(setup: RecordingHeader, record: SearchRecord) -> str:
+    unlimited = math.isinf(setup.max_minutes)
+    minutes = "no limit of time" if unlimited else f"{setup.max_minutes:g} minutes"
+    rows: list[list[object]] = [
+        ["picture", setup.picture],
+        ["agent", setup.agent],
+        ["robot", setup.robot],
+        ["place", f"{setup.place}, from {setup.start}"],
+        ["begun", setup.started],
+        ["policy branch", setup.scene or "the agent's only one"],
+        ["actions", ", ".join(action.value for action in setup.actions)],
+        ["limits", f"{setup.max_steps} {'looks' if setup.dry_run else 'actions'}, {minutes}"],
+        ["seed", "-" if setup.seed is None else setup.seed],
+        ["confirm, explore", f"{'yes' if setup.confirm else 'no'}, {'yes' if setup.explore else 'no'}"],
+        ["ended", record.reason],
+        ["software", f"active-perceiver {setup.software}"],
+    ]
+    return page.table(["", ""], rows)

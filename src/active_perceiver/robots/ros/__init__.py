@@ -1,0 +1,1 @@
+"""A robot behind rosbridge: its settings, its messages, the connection, and the robot itself."""

@@ -1,1 +1,0 @@
-"""Scenes written for other software: labelling tools, and other projects."""

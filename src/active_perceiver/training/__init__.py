@@ -1,0 +1,1 @@
+"""Training an agent: the recipe, its stages, and what is kept of it."""

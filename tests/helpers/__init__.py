@@ -1,0 +1,1 @@
+"""What tests share: small scenes, rooms, agents, robots and broken files."""
