@@ -9,7 +9,7 @@ import threading
 import pytest
 from PIL import Image
 
-from active_perceiver.labelling.answers import LARGEST_POST
+from active_perceiver.labelling.answers import LARGEST_POST, Handler
 from active_perceiver.labelling.label_store import Labelling
 from active_perceiver.labelling.server import LabellingServer, ServerError
 from active_perceiver.labelling.view_labels import ViewLabels, labels_of
@@ -51,7 +51,7 @@ class Running(LabellingServer):
 @pytest.fixture
 def server(room):
     labelling = Labelling(room)
-    server = Running(labelling)
+    server = Running(labelling, Handler)
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
     thread.start()
     yield server
@@ -214,15 +214,15 @@ def test_half_a_request_holds_up_nobody(server):
 
 def test_a_port_that_is_taken_or_none_is_said(server, room):
     with pytest.raises(ServerError, match="another --port"):
-        LabellingServer(server.labelling, port=server.port)
+        LabellingServer(server.labelling, Handler, port=server.port)
     with pytest.raises(ServerError, match="cannot be served"):
-        LabellingServer(server.labelling, port=70000)
+        LabellingServer(server.labelling, Handler, port=70000)
     with pytest.raises(ServerError, match="cannot be served"):
-        LabellingServer(server.labelling, host="203.0.113.7")
+        LabellingServer(server.labelling, Handler, host="203.0.113.7")
 
 
 @pytest.mark.parametrize(("host", "local"), [("127.0.0.1", True), ("localhost", True), ("0.0.0.0", False)])
 def test_it_knows_whether_others_can_reach_it(server, host, local):
-    other = LabellingServer(server.labelling, host=host)
+    other = LabellingServer(server.labelling, Handler, host=host)
     assert other.is_local == local
     other.server_close()

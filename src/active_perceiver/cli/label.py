@@ -99,9 +99,10 @@ class ScenesLabel:
             return propose_boxes(scene, self.propose, threshold=self.threshold, anew=self.force, progress=report)
 
     def _serve(self, labelling: Labelling) -> None:
+        from active_perceiver.labelling.answers import Handler
         from active_perceiver.labelling.server import LabellingServer
 
-        server = LabellingServer(labelling, self.host, self.port)
+        server = LabellingServer(labelling, Handler, self.host, self.port)
         if not server.is_local:
             console.print(
                 f"[bold]warning:[/] whoever reaches {self.host} can see and change the scene", highlight=False

@@ -8,12 +8,11 @@ import socket
 import sys
 from collections.abc import Callable
 from functools import lru_cache
-from http.server import ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import urlsplit
 
 from active_perceiver.errors import UserError
-from active_perceiver.labelling.answers import Handler
 from active_perceiver.labelling.label_store import Labelling
 from active_perceiver.scenes import decode_image
 from active_perceiver.scenes.images import encode_image, square_image
@@ -38,11 +37,14 @@ class LabellingServer(ThreadingHTTPServer):
     daemon_threads = True
     block_on_close = False
 
-    def __init__(self, labelling: Labelling, host: str = "127.0.0.1", port: int = 0) -> None:
+    def __init__(
+        self, labelling: Labelling, handler: type[BaseHTTPRequestHandler], host: str = "127.0.0.1", port: int = 0
+    ) -> None:
         """Begin to listen; `serve_forever` answers.
 
         Args:
             labelling: what is labelled.
+            handler: answers requests, see `answers.Handler`.
             host: name or address to listen on.
             port: to listen on; 0 for any that is free.
 
@@ -55,7 +57,7 @@ class LabellingServer(ThreadingHTTPServer):
         if ":" in host:
             self.address_family = socket.AF_INET6
         try:
-            super().__init__((host, port), Handler)
+            super().__init__((host, port), handler)
         except (OSError, OverflowError) as error:
             raise ServerError(
                 f"the page cannot be served on {host}, port {port} ({error}); give another --port, or 0 for any that "

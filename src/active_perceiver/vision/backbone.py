@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.errors import UserError
 from active_perceiver.scenes.images import square_image
 from active_perceiver.utils.files import replacing
-from active_perceiver.vision.sessions import ModelFileError, open_session
+from active_perceiver.vision.sessions import BackboneError, ModelFileError, open_session
 
 if TYPE_CHECKING:
     from torch import nn
@@ -30,10 +29,6 @@ IMAGE_SIZE = 320
 FILE_NAME = "backbone.onnx"
 # Images that go through the network together: larger batches are no faster on a CPU and need more memory.
 BATCH = 8
-
-
-class BackboneError(UserError, ValueError):
-    """A backbone that is unknown, cannot be made or was given something that is not an image."""
 
 
 @dataclass(frozen=True)

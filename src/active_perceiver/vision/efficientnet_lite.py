@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from active_perceiver.vision.backbone import BackboneError
+from active_perceiver.vision.sessions import BackboneError
 
 CHANNELS = 672
 # Blocks 0 to 10: expansion, kernel, stride, channels out. Of block 11 only the expansion is at stride 16.

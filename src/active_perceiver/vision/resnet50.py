@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from active_perceiver.vision.backbone import BackboneError
+from active_perceiver.vision.sessions import BackboneError
 
 CHANNELS = 1024
 # torchvision's ResNet50_Weights.IMAGENET1K_V1, of the paper's time; the name carries the hash that is checked.

@@ -9,6 +9,10 @@ import onnxruntime
 from active_perceiver.errors import UserError
 
 
+class BackboneError(UserError, ValueError):
+    """A backbone that is unknown, cannot be made or was given something that is not an image."""
+
+
 class ModelFileError(UserError, ValueError):
     """An ONNX file that cannot be used; the message says which and what to do."""
 
