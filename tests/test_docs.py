@@ -22,7 +22,7 @@ from helpers.toy import toy_scene
 ROOT = Path(__file__).parents[1]
 PAGES = {
     path.relative_to(ROOT).as_posix(): path.read_text()
-    for path in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    for path in [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 }
 
 
@@ -221,3 +221,33 @@ def test_every_page_can_be_reached_from_the_readme():
         linked = {((ROOT / page).parent / link).resolve().relative_to(ROOT).as_posix() for link in links}
         todo += (linked & PAGES.keys()) - seen
     assert seen == PAGES.keys()
+
+
+# The map: architecture and words.
+
+
+def paragraphs(text: str) -> list[str]:
+    """What the paragraphs of a page that begin in bold are about."""
+    return re.findall(r"^\*\*(\w+)\*\* ", text, re.MULTILINE)
+
+
+def test_every_folder_has_its_paragraph():
+    package = ROOT / "src" / "active_perceiver"
+    folders = {path.parent.name for path in package.glob("*/__init__.py")} | {"errors"}
+    assert sorted(paragraphs(PAGES["docs/architecture.md"])) == sorted(folders)
+    assert paragraphs("**a** is.\n**b**: is\nnot **c** either.\n") == ["a"]
+
+
+def words_in_code(text: str) -> list[str]:
+    """The names in the last column of a page's tables."""
+    rows = [line.strip("| ").split("|") for line in text.splitlines() if line.startswith("| ")]
+    return [name for row in rows for name in re.findall(r"`(\w+)`", row[-1])]
+
+
+def test_words_of_the_glossary_are_in_the_code():
+    code = "\n".join(path.read_text() for path in (ROOT / "src").rglob("*.py"))
+    names = set(re.findall(r"\w+", code))
+    words = words_in_code(PAGES["docs/glossary.md"])
+    assert len(words) > 50
+    assert [word for word in words if word not in names] == []
+    assert words_in_code("| `a` | `b` is | `C`, `d_e` |\n`f`\n") == ["C", "d_e"]

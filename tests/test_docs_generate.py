@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from docs.generate import __main__ as program
 from docs.generate.blocks import BLOCKS
 from docs.generate.commands import all_commands, read_help
+from docs.generate.layers import draw
 from docs.generate.markdown import table
 from docs.generate.pages import PageError, fill, fill_pages
 
@@ -101,6 +104,26 @@ def test_exit_codes(root, monkeypatch, capsys):
 
 def test_no_block_of_this_repository_is_stale():
     assert fill_pages(program.ROOT, BLOCKS, write=False) == []
+
+
+def test_layers_are_drawn_with_their_neighbours_side_by_side():
+    assert draw(["a", "b | c", "d : e"], width=11).splitlines() == [
+        "┌───────────┐",
+        "│     a     │",
+        "├─────┬─────┤",
+        "│  b  │  c  │",
+        "├─────┴─────┤",
+        "│   d ↔ e   │",
+        "└───────────┘",
+    ]
+
+
+def test_walls_of_any_layers_meet():
+    lines = draw(["a | b | c", "d | e", "f | g | h | i"], width=40).splitlines()
+    assert {len(line) for line in lines} == {42}
+    for upper, lower in pairwise(lines):
+        for above, below in zip(upper, lower, strict=True):
+            assert (above in "│┌┐├┤┬┼") == (below in "│└┘├┤┴┼")
 
 
 def test_tables_escape_bars():

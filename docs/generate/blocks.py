@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
-from docs.generate import commands, paper, results, rooms
+from docs.generate import commands, layers, paper, results, rooms
 from docs.generate.package import BENCHMARK_TABLES
 from docs.generate.pages import Blocks
 
 BLOCKS: Mapping[str, Blocks] = {
     "README.md": {"results": results.beside_the_paper},
+    "docs/architecture.md": {
+        "layers": layers.software,
+        "without_torch": layers.without_torch,
+        "rooms": layers.rooms,
+    },
     "docs/commands.md": {"list": commands.list_of_commands, "commands": commands.sections},
     "docs/results.md": {
         "paper": results.beside_the_paper,

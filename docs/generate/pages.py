@@ -17,7 +17,7 @@ class PageError(Exception):
 
 
 def fill_pages(root: Path, blocks: Mapping[str, Blocks], *, write: bool = True) -> list[tuple[str, str]]:
-    """Fill all blocks of README.md, CONTRIBUTING.md and docs/**/*.md.
+    """Fill all blocks of *.md and docs/**/*.md.
 
     Args:
         root: of the repository.
@@ -30,8 +30,8 @@ def fill_pages(root: Path, blocks: Mapping[str, Blocks], *, write: bool = True) 
     Raises:
         PageError: a page or a marker is missing or unknown; nothing is written then.
     """
-    paths = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").rglob("*.md"))]
-    pages = {path.relative_to(root).as_posix(): path.read_text() for path in paths if path.is_file()}
+    paths = [*sorted(root.glob("*.md")), *sorted((root / "docs").rglob("*.md"))]
+    pages = {path.relative_to(root).as_posix(): path.read_text() for path in paths}
     for page in blocks:
         if page not in pages:
             raise PageError(f"{page}: there is no such page")
