@@ -50,7 +50,8 @@ def draw(layers: Sequence[str], width: int = WIDTH) -> str:
         width: characters inside the frame.
     """
     rows = [[box.strip().replace(" : ", " ↔ ") for box in layer.split("|")] for layer in layers]
-    lines, above = [], {0, width + 1}
+    lines: list[str] = []
+    above = {0, width + 1}
     for row in rows:
         below = _walls(len(row), width)
         lines += [_line(above, below, "├┤", width) if lines else _line(set(), below, "┌┐", width)]

@@ -220,7 +220,7 @@ def test_trying_with_wrong_input_is_explained(wrong, message, exported, scene, t
     assert message in said
 
 
-def test_its_readme_says_how_to_run_it(exported, scene):
+def test_its_readme_says_how_to_run_it(exported, scene, monkeypatch):
     text = (exported / "README.md").read_text()
     assert "pip install numpy onnxruntime pillow\n" in text
     assert "pip install --no-deps" in text
@@ -229,8 +229,11 @@ def test_its_readme_says_how_to_run_it(exported, scene):
     assert name == exported.name
     assert (exported.parent / picture).is_file()
     block = text.split("```python\n")[1].split("```")[0]
-    compile(block, "README.md", "exec")
-    assert f'branch="{scene.name}"' in block
+    assert f'scene="{scene.name}"' in block
+    monkeypatch.chdir(exported.parent)
+    ran = {"robot": RecordedRobot(scene, seed=0)}
+    exec(compile(block, "README.md", "exec"), ran)
+    assert ran["record"].found
 
 
 def test_nothing_is_replaced_by_accident(agent_folder, exported, tmp_path):

@@ -50,12 +50,10 @@ The last line prints what the agent makes of one image of the camera. A search, 
 the methods of `active_perceiver.robots.Robot`:
 
 ```python
-from active_perceiver.agent.perceiver import ActivePerceiver
-from active_perceiver.live import search
-from active_perceiver.scenes import read_image
+from active_perceiver import ActivePerceiver, read_image, search
 
 agent = ActivePerceiver.from_pretrained("{name}")
-record = search(agent, robot, read_image("{picture}"), branch="{branch}")
+record = search(agent, robot, read_image("{picture}"), scene="{branch}")
 ```
 
 `checksums.json` is compared with the files whenever the agent is loaded.

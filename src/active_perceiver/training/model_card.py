@@ -76,7 +76,7 @@ Give it a picture of {words.searched}; it looks at one camera image after the ot
 itself when it is {words.arrived}. It was trained in {scenes} and knows these rooms only.
 
 ```python
-from active_perceiver.agent.perceiver import ActivePerceiver
+from active_perceiver import ActivePerceiver
 
 agent = ActivePerceiver.from_pretrained("this/folder")
 agent.reset("{words.picture}", scene="{next(iter(config.branches))}")
@@ -88,8 +88,8 @@ Backbone: {config.backbone} at {config.image_size} pixels. Recogniser: {config.r
 
 ## Searches
 
-Success, steps and their ratio to the shortest paths are exact, over all starts; "found" is the agent's own word, true
-{words.right}, in {own["per_target"][0]["searches"]} searches from random starts.
+Success, steps and their ratio to the shortest paths are exact, over all starts; "found" is said by the agent itself,
+true {words.right}, in {own["per_target"][0]["searches"]} searches from random starts.
 
 | scene | target | success | steps | ratio | found, true | found, false |
 |---|---|---|---|---|---|---|
