@@ -14,6 +14,7 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from indoor_rooms.geometry.geometry import Mesh, rotation
@@ -198,7 +199,5 @@ def gaps_below(feet: NDArray[np.float64], others: Sequence[Solid]) -> tuple[NDAr
 
 
 def distance_from_hull(point: NDArray[np.float64], points: NDArray[np.float64]) -> float:
-    """Distance (to 0.1 %) of a point (2,) from the convex hull of others (N, 2), which may be a line or one point."""
-    angles = np.linspace(0, 2 * np.pi, 72, endpoint=False)
-    directions = np.stack([np.cos(angles), np.sin(angles)])
-    return max(0.0, float((point @ directions - (points @ directions).max(axis=0)).max()))
+    """Distance of a point (2,) from the convex hull of others (N, 2), which may be a line or one point; metres."""
+    return float(shapely.MultiPoint(points).convex_hull.distance(shapely.Point(point)))

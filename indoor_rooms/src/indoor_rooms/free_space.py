@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
@@ -16,6 +17,8 @@ from indoor_rooms.room import Room
 _MOVES = ((0, 1), (0, -1), (-1, 0), (1, 0))
 # The lattice is shifted in this many steps along each axis to where most positions are free.
 SHIFTS = 7
+# The search for what is near wants a distance above 0.
+_NO_REACH = 1e-12
 
 
 class FreeSpaceError(RoomError, ValueError):
@@ -144,83 +147,16 @@ def clearance(
     Args:
         starts: (N, 2).
         ends: (N, 2); equal to `starts` for the clearance of points.
-        polygons: (K, 2) each, filled, convex or not.
+        polygons: (K, 2) each, filled, convex or not, whose edges do not cross.
         reach: metres from which on a distance does not matter; such a one may come out as any that is no smaller,
-            infinity too. In a furnished room most edges are out of reach of most ways, and need not be looked at.
+            infinity too. In a furnished room most polygons are out of reach of most ways, and need not be looked at.
     """
     nearest = np.full(len(starts), np.inf)
     if not len(starts) or not len(polygons):
         return nearest
-    corners = np.concatenate(polygons).astype(np.float64)
-    following = np.concatenate([np.roll(polygon, -1, axis=0) for polygon in polygons]).astype(np.float64)
-    way, edge = np.nonzero(_boxes_within(reach, starts, ends, corners, following))
-    distance = _segment_distance(starts[way], ends[way], corners[edge], following[edge])
-    np.minimum.at(nearest, way, distance)
-    first_edges = np.cumsum([0, *(len(polygon) for polygon in polygons[:-1])])
-    nearest[_inside(starts, corners, following, first_edges)] = 0
+    ways = shapely.linestrings(np.stack([starts, ends], axis=1))
+    tree = shapely.STRtree([shapely.Polygon(polygon) for polygon in polygons])
+    farthest = max(reach, _NO_REACH) if np.isfinite(reach) else None
+    (way, _), distance = tree.query_nearest(ways, farthest, return_distance=True, all_matches=False)
+    nearest[way] = distance
     return nearest
-
-
-def _boxes_within(
-    reach: float,
-    a: NDArray[np.float64],
-    b: NDArray[np.float64],
-    c: NDArray[np.float64],
-    d: NDArray[np.float64],
-) -> NDArray[np.bool_]:
-    """Whether the boxes around N segments ab and E segments cd are within reach of each other, (N, E)."""
-    reach = reach + 1e-6  # rounding must not make a distance look longer than it is computed to be
-    low, high = np.minimum(a, b) - reach, np.maximum(a, b) + reach
-    other_low, other_high = np.minimum(c, d), np.maximum(c, d)
-    along_x, along_y = (
-        (low[:, None, axis] <= other_high[:, axis]) & (high[:, None, axis] >= other_low[:, axis]) for axis in (0, 1)
-    )
-    return along_x & along_y
-
-
-def _inside(
-    points: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    following: NDArray[np.float64],
-    first_edges: NDArray[np.int64],
-) -> NDArray[np.bool_]:
-    """Whether points lie in one of some polygons (N,): an odd number of its edges lie to their right.
-
-    Args:
-        points: (N, 2).
-        corners: (E, 2), where the edges of all the polygons start, those of one after those of another.
-        following: (E, 2), where they end.
-        first_edges: number of each polygon's first edge.
-    """
-    x, y = points[:, 0], points[:, 1]
-    spans = (corners[:, 1] > y[:, None]) != (following[:, 1] > y[:, None])
-    point, edge = np.nonzero(spans)
-    start, end = corners[edge], following[edge]
-    crossing = start[:, 0] + (y[point] - start[:, 1]) / (end[:, 1] - start[:, 1]) * (end[:, 0] - start[:, 0])
-    spans[point, edge] = crossing > x[point]
-    return (np.add.reduceat(spans, first_edges, axis=1, dtype=np.int64) % 2 == 1).any(axis=1)
-
-
-def _segment_distance(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Distance between segments ab and cd, (N,); each is (N, 2) x, y."""
-    ends = np.minimum.reduce(
-        [_point_distance(a, c, d), _point_distance(b, c, d), _point_distance(c, a, b), _point_distance(d, a, b)]
-    )
-    crosses = (_side(c, d, a) * _side(c, d, b) < 0) & (_side(a, b, c) * _side(a, b, d) < 0)
-    return np.where(crosses, 0.0, ends)
-
-
-def _point_distance(
-    point: NDArray[np.float64], start: NDArray[np.float64], end: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    along, to = end - start, point - start
-    length = np.maximum((along**2).sum(-1), 1e-18)
-    share = np.clip((to * along).sum(-1) / length, 0, 1)
-    return np.sqrt(((to - share[..., None] * along) ** 2).sum(-1))
-
-
-def _side(start: NDArray[np.float64], end: NDArray[np.float64], point: NDArray[np.float64]) -> NDArray[np.float64]:
-    along, to = end - start, point - start
-    return along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
