@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from indoor_rooms.geometry.geometry import Mesh, merge, quad
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.geometry.mesh import Mesh, merge, quad
+from indoor_rooms.materials.material import Material
 from indoor_rooms.room import Lamp, Part, Room, Sun
 
 WIDTH, DEPTH, HEIGHT = 4.0, 3.0, 2.5

@@ -10,10 +10,10 @@ import pytest
 from indoor_rooms.furniture import appliances, cabinets, fixtures, seating
 from indoor_rooms.geometry.boxes import box, rounded_box, slab
 from indoor_rooms.geometry.curves import arc, cylinder, disc, lathe, leaf, smooth_profile, sphere, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, transform, without_sides
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, transform, without_sides
 from indoor_rooms.geometry.pieces import Pieces, bounds
 from indoor_rooms.materials import prints, textures
-from indoor_rooms.materials.materials import from_hex
+from indoor_rooms.materials.material import from_hex
 from indoor_rooms.materials.surfaces import beech
 from indoor_rooms.objects import OBJECTS, decor
 

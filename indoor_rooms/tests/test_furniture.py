@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from indoor_rooms.furniture import lounge, media, office, soft, storage, tables
+from indoor_rooms.furniture import lounge, office, screens, soft, storage, tables
 from indoor_rooms.geometry.pieces import Pieces, bounds
 from indoor_rooms.materials import board_prints, textures
 from indoor_rooms.materials.surfaces import CHROME, beech, cloth
@@ -44,7 +44,7 @@ STANDING: dict[str, tuple[Callable[[], Pieces], float | None, float | None]] = {
     "tv stand": (lambda: storage.tv_stand(1.6, WOOD), 1.6, storage.TV_STAND_HEIGHT),
     "chest": (lambda: storage.chest_of_drawers(0.9, WOOD, WOOD, 4), 0.9, storage.CHEST_HEIGHT),
     "filing cabinet": (lambda: storage.filing_cabinet(WOOD), 0.42, storage.FILING_CABINET_HEIGHT),
-    "television": (lambda: media.television(1.1), 1.1, None),
+    "television": (lambda: screens.television(1.1), 1.1, None),
     "office chair": (lambda: office.office_chair(CLOTH), None, None),
     "meeting chair": (lambda: office.meeting_chair(CLOTH, CHROME), None, None),
     "paper bin": (office.paper_bin, None, 0.31),
@@ -55,10 +55,10 @@ STANDING: dict[str, tuple[Callable[[], Pieces], float | None, float | None]] = {
     "floor lamp 2": (lambda: lamp(2), None, None),
 }
 HANGING: dict[str, Callable[[], Pieces]] = {
-    "wall screen": lambda: media.wall_screen(1.4),
-    "dark wall screen": lambda: media.wall_screen(1.4, None),
-    "whiteboard": lambda: media.whiteboard(1.8, 1.1),
-    "pinboard": lambda: media.pinboard(1.2, 0.9, rng()),
+    "wall screen": lambda: screens.wall_screen(1.4),
+    "dark wall screen": lambda: screens.wall_screen(1.4, None),
+    "whiteboard": lambda: screens.whiteboard(1.8, 1.1),
+    "pinboard": lambda: screens.pinboard(1.2, 0.9, rng()),
     "long curtains": lambda: soft.curtains(OPENING, CLOTH, WOOD),
     "short curtains": lambda: soft.curtains(OPENING, CLOTH, WOOD, "sill"),
     "blinds": lambda: soft.blinds(OPENING, "#e8e4da"),
@@ -242,8 +242,8 @@ def test_floor_lamps_say_where_their_bulb_is(seed: int) -> None:
         (lambda: storage.row_of_books(0.0, 0.3, 0.2, rng()), "a row of books' width"),
         (lambda: storage.chest_of_drawers(0.9, WOOD, WOOD, 9), "a chest's number of drawers"),
         (lambda: storage.filing_cabinet(WOOD, 0), "a filing cabinet's number of drawers"),
-        (lambda: media.television(0.0), "a television's width"),
-        (lambda: media.whiteboard(1.0, -1.0), "a whiteboard's height"),
+        (lambda: screens.television(0.0), "a television's width"),
+        (lambda: screens.whiteboard(1.0, -1.0), "a whiteboard's height"),
         (lambda: soft.curtains((0.5, -0.5, 1.0, 2.0), CLOTH, WOOD), "rising values"),
         (lambda: soft.curtains(OPENING, CLOTH, WOOD, "roof"), "not to 'roof'"),
         (lambda: soft.blinds(OPENING, "#ffffff", 1.5), "the share of the window"),

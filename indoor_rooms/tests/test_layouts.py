@@ -15,8 +15,8 @@ from indoor_rooms.free_space import free_positions
 from indoor_rooms.geometry.boxes import box
 from indoor_rooms.geometry.pieces import bounds
 from indoor_rooms.layouts import LAYOUTS, Layout, LayoutError, make_room
+from indoor_rooms.layouts.contents import ALLOWED, SCENERY, SURFACES, SWING, Contents
 from indoor_rooms.layouts.placement import Item, Ledge, NoRoomError, assign, lay_out
-from indoor_rooms.layouts.things import ALLOWED, SCENERY, SURFACES, SWING, Contents
 from indoor_rooms.layouts.walls import FloorLayout, four_walls
 from indoor_rooms.materials.surfaces import beech
 from indoor_rooms.objects import OBJECTS

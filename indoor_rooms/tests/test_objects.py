@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from indoor_rooms.geometry.geometry import Mesh
+from indoor_rooms.geometry.mesh import Mesh
 from indoor_rooms.geometry.pieces import Pieces, bounds
 from indoor_rooms.materials import prints_devices, prints_paper, prints_patterns
 from indoor_rooms.objects import OBJECTS

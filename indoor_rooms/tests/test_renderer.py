@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from box_room import BOX, DEPTH, HEIGHT, WIDTH, box_room, make_room, solid, walls
-from indoor_rooms.geometry.geometry import quad
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.geometry.mesh import quad
+from indoor_rooms.materials.material import Material
 from indoor_rooms.renderer import camera, compiled, vectors
-from indoor_rooms.renderer.camera import NOTHING, camera_axes, render
+from indoor_rooms.renderer.camera import NOTHING, Quality, camera_axes, render
 from indoor_rooms.renderer.compiled import compile_room
 from indoor_rooms.renderer.direct_light import Lights, LightSample
 from indoor_rooms.renderer.lighting import BakedRoom, bake
@@ -240,7 +240,7 @@ def test_sun_and_lamps_light_what_they_face() -> None:
 
 def test_mask_is_the_projection_of_the_box(baked: BakedRoom) -> None:
     size, fov = 120, 60.0
-    view = render(baked, CAMERA, heading=90, image_size=size, fov=fov, denoise=False)
+    view = render(baked, CAMERA, heading=90, image_size=size, fov=fov, quality=Quality(denoise=False))
     mask = view.mask == baked.object_names.index("box")
     # Looking along +x: right is -y, and the near face of the box spans it.
     scale = size / 2 / np.tan(np.radians(fov / 2)) / (BOX[0][0] - CAMERA[0])
@@ -256,7 +256,7 @@ def test_mask_is_the_projection_of_the_box(baked: BakedRoom) -> None:
 
 
 def test_one_ray_suffices_where_there_is_no_edge(baked: BakedRoom, monkeypatch: pytest.MonkeyPatch) -> None:
-    settings = {"heading": 70, "tilt": -15, "image_size": 96, "denoise": False}
+    settings = {"heading": 70, "tilt": -15, "image_size": 96, "quality": Quality(denoise=False)}
     fast = render(baked, CAMERA, **settings)
     monkeypatch.setattr(camera, "_edges", lambda first, lens: np.ones(len(first.part), bool))
     slow = render(baked, CAMERA, **settings)
@@ -270,7 +270,7 @@ def test_one_ray_suffices_where_there_is_no_edge(baked: BakedRoom, monkeypatch: 
 @pytest.mark.parametrize("samples", [1, 9])
 def test_other_numbers_of_rays_show_the_same(baked: BakedRoom, samples: int) -> None:
     usual = render(baked, CAMERA, 90, 0, 48)
-    other = render(baked, CAMERA, 90, 0, 48, samples=samples)
+    other = render(baked, CAMERA, 90, 0, 48, quality=Quality(samples))
     assert (usual.mask != other.mask).mean() < 0.02
     assert other.image.mean() == pytest.approx(usual.image.mean(), abs=4)
 
@@ -282,12 +282,12 @@ def test_directions_of_heading_and_tilt(baked: BakedRoom) -> None:
     middle = (16, 16)
     name = baked.object_names
     seen = {
-        (heading, tilt): name[render(baked, CAMERA, heading, tilt, 32, denoise=False).mask[middle]]
+        (heading, tilt): name[render(baked, CAMERA, heading, tilt, 32, quality=Quality(denoise=False)).mask[middle]]
         for heading, tilt in ((90, 0), (270, 0), (0, 89), (0, -89))
     }
     assert seen == {(90, 0): "box", (270, 0): "wall", (0, 89): "ceiling", (0, -89): "floor"}
     # Turning right moves things to the left.
-    turned = render(baked, CAMERA, 105, 0, 32, denoise=False).mask == name.index("box")
+    turned = render(baked, CAMERA, 105, 0, 32, quality=Quality(denoise=False)).mask == name.index("box")
     assert np.nonzero(turned)[1].mean() < 16
 
 
@@ -322,7 +322,7 @@ def test_nothing_is_marked_as_nothing() -> None:
 
 def test_bad_camera_settings_are_refused(baked: BakedRoom) -> None:
     with pytest.raises(ValueError, match="square number"):
-        render(baked, CAMERA, 0, samples=3)
+        render(baked, CAMERA, 0, quality=Quality(3))
     with pytest.raises(ValueError, match="field of view"):
         render(baked, CAMERA, 0, fov=180.0)
     with pytest.raises(ValueError, match="no parts"):

@@ -17,9 +17,9 @@ from indoor_rooms.renderer import compiled
 from indoor_rooms.renderer.camera import camera_axes
 from indoor_rooms.renderer.lighting import bake
 from indoor_rooms.room import Part, Room
-from indoor_rooms.studio.pictures import Shot, Stage, take
 from indoor_rooms.studio.scenery import HELD_OUT_SCENERY, TRAINING_SCENERY
-from indoor_rooms.studio.studio import (
+from indoor_rooms.studio.stage import Shot, Stage, take
+from indoor_rooms.studio.studio_pictures import (
     HELD,
     HELD_OUT,
     HELD_OUT_SETUPS,

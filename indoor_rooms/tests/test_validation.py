@@ -26,7 +26,7 @@ from indoor_rooms.collision import (
     inside,
     intersection,
 )
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, rotation, transform, without_sides
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, rotation, transform, without_sides
 from indoor_rooms.layouts import make_room as furnished
 from indoor_rooms.room import Lamp, Part, Room, Sun
 from indoor_rooms.validation import room_problems, stem

@@ -17,7 +17,7 @@ def baked():
 
 
 def seen(baked, heading=90.0, tilt=0.0):
-    return render(baked, PLACE, heading, tilt, SIZE, FOV, samples=4).image
+    return render(baked, PLACE, heading, tilt, SIZE, FOV).image
 
 
 @pytest.mark.parametrize(("turn", "tilt"), [(8, 0), (-8, 0), (0, 6), (0, -6), (5, 4)])

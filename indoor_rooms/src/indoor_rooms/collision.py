@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from indoor_rooms.geometry.geometry import Mesh, rotation
+from indoor_rooms.geometry.mesh import Mesh, rotation
 from indoor_rooms.renderer.raycast import RayCaster
 
 # Bodies that a movement this long separates do no more than touch; metres.

@@ -23,6 +23,9 @@ PREVIEW_RAYS = 48
 FIELD_OF_VIEW = 80.0
 DOWN = -14.0
 CAPTION, GAP = 18, 6
+# From which corner of the floor each picture is taken, as shares of its size: opposite ones first.
+CORNERS = ((0, 0), (1, 1), (1, 0), (0, 1))
+MOST_VIEWS = len(CORNERS)
 
 Run = Callable[[Callable[[Any, Any], Any], Any, Sequence[Any], Progress], list[Any]]
 
@@ -105,8 +108,7 @@ def preview(room: Room, views: int = 2, image_size: int = 300, rays: int = PREVI
     middle = np.array(room.size[:2]) / 2
     baked = bake(room, rays, bounces=4, seed=1)
     pictures = []
-    # Opposite corners first.
-    for x, y in ((0, 0), (1, 1), (1, 0), (0, 1))[:views]:
+    for x, y in CORNERS[:views]:
         corner = np.array([x * room.size[0], y * room.size[1]])
         place = places[np.linalg.norm(places - corner, axis=1).argmin()]
         away = middle - place

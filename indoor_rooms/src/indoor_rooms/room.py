@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_rooms.geometry.geometry import Mesh
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.geometry.mesh import Mesh
+from indoor_rooms.materials.material import Material
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from indoor_rooms.collision import DIRECTIONS, TOLERANCE, Solid, distance_from_hull, gaps_below, intersection
 from indoor_rooms.free_space import FreeSpaceError, free_positions
-from indoor_rooms.geometry.geometry import Mesh
+from indoor_rooms.geometry.mesh import Mesh
 from indoor_rooms.geometry.pieces import bounds
 from indoor_rooms.objects import OBJECTS
 from indoor_rooms.renderer.raycast import RayCaster

@@ -22,8 +22,8 @@ from active_perceiver.utils.files import OutputExistsError
 from box_room import DEPTH, TABLE, WIDTH, box_room
 from helpers.toy import toy_scene
 from indoor_rooms.free_space import clearance
+from indoor_rooms.layouts.contents import Contents
 from indoor_rooms.layouts.placement import stream
-from indoor_rooms.layouts.things import Contents
 from indoor_rooms.objects import OBJECTS
 from indoor_rooms.renderer.compiled import compile_room
 from indoor_rooms.room import Room

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from indoor_rooms.geometry.boxes import box, rounded_box
 from indoor_rooms.geometry.curves import cylinder, lathe, smooth_profile, tube
-from indoor_rooms.geometry.geometry import Mesh, Vector, merge, transform
+from indoor_rooms.geometry.mesh import Mesh, Vector, merge, transform
 from indoor_rooms.geometry.pieces import Pieces
 from indoor_rooms.materials import textures
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import BLACK_GLASS, BLACK_PLASTIC, CHROME, plastic, printed, steel
 
 STOVE_TOP = 0.912

@@ -8,7 +8,7 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import cylinder, tube
-from indoor_rooms.geometry.geometry import Mesh, grid_faces, merge, smooth_normals, transform, with_uvs
+from indoor_rooms.geometry.mesh import Mesh, grid_faces, merge, smooth_normals, transform, with_uvs
 
 CLOTH_REPEATS = 4.0
 

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 from indoor_rooms.geometry.boxes import box, rounded_box, slab
 from indoor_rooms.geometry.curves import arc, cylinder, smooth_profile, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, transform, without_sides
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, transform, without_sides
 from indoor_rooms.geometry.pieces import Pieces, placed
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import BLACK_PLASTIC, CHROME, steel
 
 COUNTER_HEIGHT = 0.90

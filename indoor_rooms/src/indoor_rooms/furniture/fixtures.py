@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from indoor_rooms.geometry.boxes import box, rounded_box, slab
 from indoor_rooms.geometry.curves import cylinder, disc, lathe, smooth_profile, sphere, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, transform, with_uvs, without_sides
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, transform, with_uvs, without_sides
 from indoor_rooms.geometry.pieces import Pieces
 from indoor_rooms.materials import prints
-from indoor_rooms.materials.materials import Colour, Material
+from indoor_rooms.materials.material import Colour, Material
 from indoor_rooms.materials.surfaces import BLACK_PLASTIC, BRASS, WHITE_PAINT, printed, steel
 
 WALL_THICKNESS = 0.14

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_rooms.furniture.building import at, check_range, four, legs, padded, pillow
-from indoor_rooms.geometry.geometry import Mesh, merge, transform
+from indoor_rooms.geometry.mesh import Mesh, merge, transform
 from indoor_rooms.geometry.pieces import Pieces, placed
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 
 SEAT_HEIGHT = 0.44
 ARM_WIDTH = 0.19

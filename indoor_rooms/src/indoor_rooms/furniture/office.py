@@ -7,10 +7,10 @@ import numpy as np
 from indoor_rooms.furniture.building import CLOTH_REPEATS, at, padded
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import cylinder, lathe, smooth_profile, sphere, tube
-from indoor_rooms.geometry.geometry import Mesh, grid_faces, merge, quad, smooth_normals, transform
+from indoor_rooms.geometry.mesh import Mesh, grid_faces, merge, quad, smooth_normals, transform
 from indoor_rooms.geometry.pieces import Pieces, standing
 from indoor_rooms.materials import board_prints
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import BLACK_PLASTIC, CHROME, STALK, WHITE_PAINT, cloth, printed, steel
 
 OFFICE_SEAT_HEIGHT = 0.48

@@ -6,10 +6,10 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box, slab
 from indoor_rooms.geometry.curves import smooth_profile, tube
-from indoor_rooms.geometry.geometry import merge, transform, with_uvs
+from indoor_rooms.geometry.mesh import merge, transform, with_uvs
 from indoor_rooms.geometry.pieces import Pieces, standing
 from indoor_rooms.materials import textures
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import cloth, printed
 
 TABLE_HEIGHT = 0.75

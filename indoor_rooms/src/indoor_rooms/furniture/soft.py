@@ -13,9 +13,9 @@ from indoor_rooms.furniture.building import CLOTH_REPEATS, at, check_range
 from indoor_rooms.furniture.fixtures import WALL_THICKNESS, Opening
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import cylinder, lathe, smooth_profile, sphere, tube
-from indoor_rooms.geometry.geometry import Mesh, Vector, grid_faces, merge, quad, smooth_normals, transform
+from indoor_rooms.geometry.mesh import Mesh, Vector, grid_faces, merge, quad, smooth_normals, transform
 from indoor_rooms.geometry.pieces import Pieces
-from indoor_rooms.materials.materials import Colour, Material, from_hex
+from indoor_rooms.materials.material import Colour, Material, from_hex
 from indoor_rooms.materials.surfaces import BLACK_PLASTIC, BRASS, WHITE_PAINT, cloth, plastic, wood
 
 # A drawn-aside curtain covers this share of a window's width on either side.

@@ -13,10 +13,10 @@ from indoor_rooms.furniture.building import at, check_range, four, legs, upright
 from indoor_rooms.furniture.tables import bar_pull
 from indoor_rooms.geometry.boxes import box, rounded_box, slab
 from indoor_rooms.geometry.curves import lathe, smooth_profile
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, transform, with_uvs, without_sides
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, transform, with_uvs, without_sides
 from indoor_rooms.geometry.pieces import Pieces
 from indoor_rooms.materials import board_prints
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import BLACK_PLASTIC, CHROME, PAPER, printed
 
 BOARD_THICKNESS = 0.022

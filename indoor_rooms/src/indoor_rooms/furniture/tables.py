@@ -10,9 +10,9 @@ from indoor_rooms.furniture.building import at, check_range, four, round_top, up
 from indoor_rooms.furniture.seating import TABLE_HEIGHT
 from indoor_rooms.geometry.boxes import box, rounded_box
 from indoor_rooms.geometry.curves import cylinder, lathe, smooth_profile, tube
-from indoor_rooms.geometry.geometry import Mesh, grid_faces, merge, smooth_normals, transform, without_slivers
+from indoor_rooms.geometry.mesh import Mesh, grid_faces, merge, smooth_normals, transform, without_slivers
 from indoor_rooms.geometry.pieces import Pieces
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import BLACK_PLASTIC, CHROME
 
 COFFEE_TABLE_HEIGHT = 0.42

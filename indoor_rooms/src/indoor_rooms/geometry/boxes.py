@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_rooms.geometry.geometry import Mesh, Vector, grid_faces, merge, quad, transform
+from indoor_rooms.geometry.mesh import Mesh, Vector, grid_faces, merge, quad, transform
 
 
 def _side_uvs(points: NDArray[np.float64], axis: int, sign: int) -> NDArray[np.float64]:

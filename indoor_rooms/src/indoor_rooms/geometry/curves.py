@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from indoor_rooms.geometry.geometry import Mesh, Vector, grid_faces, merge, smooth_normals, without_slivers
+from indoor_rooms.geometry.mesh import Mesh, Vector, grid_faces, merge, smooth_normals, without_slivers
 
 Profile = Sequence[tuple[float, float]] | NDArray[np.float64]
 

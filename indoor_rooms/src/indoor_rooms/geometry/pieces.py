@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from indoor_rooms.geometry.geometry import Mesh, Vector, transform
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.geometry.mesh import Mesh, Vector, transform
+from indoor_rooms.materials.material import Material
 
 Pieces: TypeAlias = list[tuple[Mesh, Material]]
 

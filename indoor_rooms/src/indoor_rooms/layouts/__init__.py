@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 from indoor_rooms.errors import RoomError
 from indoor_rooms.layouts import conference_room, kitchen, living_room
+from indoor_rooms.layouts.contents import Contents
 from indoor_rooms.layouts.daylight import HOURS
 from indoor_rooms.layouts.placement import NoRoomError
-from indoor_rooms.layouts.things import Contents
 from indoor_rooms.room import Room
 
 # Arrangements tried for a seed before giving up.

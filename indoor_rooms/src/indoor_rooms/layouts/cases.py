@@ -11,7 +11,7 @@ from indoor_rooms.layouts.common import wall_ledge
 from indoor_rooms.layouts.placement import Ledge, RoomBuilder
 from indoor_rooms.layouts.shell import Window
 from indoor_rooms.layouts.walls import WALL_GAP, FloorLayout, Wall
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.themes import Theme
 from indoor_rooms.objects.decor import floor_plant
 
@@ -53,7 +53,7 @@ def stand_bookcase(
         if seen and share < 1:
             free = inside - books - 0.03
             place = along - side * (inside - free - 0.01) / 2
-            ledges.append(wall_ledge(wall, place, free, WALL_GAP + 0.155, low, 0.25, name, "shelf", room - 0.02))
+            ledges.append(wall_ledge(wall, (place, WALL_GAP + 0.155, low), (free, 0.25), name, "shelf", room - 0.02))
     return ledges
 
 
@@ -74,7 +74,7 @@ def stand_chest(
         else storage.chest_of_drawers(width, theme.casing, theme.timber, int(rng.integers(3, 5)))
     )
     builder.add(name, piece, wall.point(along, WALL_GAP), wall.turn, obstacle=True)
-    return [wall_ledge(wall, along, width - 0.06, WALL_GAP + depth / 2, height, depth - 0.04, name, "board")]
+    return [wall_ledge(wall, (along, WALL_GAP + depth / 2, height), (width - 0.06, depth - 0.04), name, "board")]
 
 
 def stand_desk(
@@ -93,7 +93,9 @@ def stand_desk(
     place = wall.point(along - tables.DESK_PEDESTAL / 2, WALL_GAP + depth + 0.16, 0.0006)
     builder.add("desk_chair", chair, place, wall.turn + float(rng.uniform(-12, 12)), obstacle=True)
     return [
-        wall_ledge(wall, along, width - 0.06, WALL_GAP + depth / 2, tables.DESK_HEIGHT, depth - 0.06, "desk", "desk")
+        wall_ledge(
+            wall, (along, WALL_GAP + depth / 2, tables.DESK_HEIGHT), (width - 0.06, depth - 0.06), "desk", "desk"
+        )
     ]
 
 
@@ -104,7 +106,7 @@ def keep_floor(plan: FloorLayout, walls: list[Wall], count: int, rng: np.random.
         found = plan.somewhere(walls, 0.52, 0.40, rng)
         if found is not None:
             wall, along = found
-            ledges.append(wall_ledge(wall, along, 0.50, 0.23, 0.0, 0.40, f"floor {number}", "floor", 0.7))
+            ledges.append(wall_ledge(wall, (along, 0.23, 0.0), (0.50, 0.40), f"floor {number}", "floor", 0.7))
     return ledges
 
 

@@ -12,7 +12,7 @@ from indoor_rooms.furniture import fixtures, soft
 from indoor_rooms.layouts.placement import Ledge, NoRoomError, RoomBuilder
 from indoor_rooms.layouts.shell import Window
 from indoor_rooms.layouts.walls import FloorLayout, Wall
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import BLACK_PLASTIC, BRASS, CHROME
 from indoor_rooms.materials.themes import Theme, curtain_of, pick_one
 from indoor_rooms.room import Lamp, Room, Sun
@@ -52,11 +52,8 @@ def sill_ledge(window: Window) -> Ledge:
     back = fixtures.WALL_THICKNESS - 0.066
     return wall_ledge(
         window.wall,
-        window.along,
-        window.width - 0.12,
-        (window.sill - back) / 2,
-        window.low + 0.0005,
-        window.sill + back - 0.02,
+        (window.along, (window.sill - back) / 2, window.low + 0.0005),
+        (window.width - 0.12, window.sill + back - 0.02),
         "sill",
         "sill",
         window.high - window.low - 0.1,
@@ -65,16 +62,23 @@ def sill_ledge(window: Window) -> Ledge:
 
 def wall_ledge(
     wall: Wall,
-    along: float,
-    width: float,
-    out: float,
-    height: float,
-    depth: float,
+    place: tuple[float, float, float],
+    size: tuple[float, float],
     furniture: str,
     kind: str,
     headroom: float = np.inf,
 ) -> Ledge:
-    """The top of furniture along a wall: its middle line lies `out` metres from the wall."""
+    """The top of furniture along a wall.
+
+    Args:
+        wall: at which it stands.
+        place: of its middle: along the wall, out from it and above the floor, metres.
+        size: along the wall and out from it, metres.
+        furniture: its name.
+        kind: of ledge: what may lie on it.
+        headroom: metres above it.
+    """
+    (along, out, height), (width, depth) = place, size
     first, last = wall.point(along - width / 2, out), wall.point(along + width / 2, out)
     return Ledge(furniture, kind, first[:2], last[:2], height, depth, headroom)
 

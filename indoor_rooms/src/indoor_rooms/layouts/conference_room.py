@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_rooms.furniture import media, office, storage, tables
+from indoor_rooms.furniture import office, screens, storage, tables
 from indoor_rooms.geometry.pieces import placed
 from indoor_rooms.layouts.cases import (
     keep_floor,
@@ -15,13 +15,13 @@ from indoor_rooms.layouts.cases import (
     stand_radiator,
 )
 from indoor_rooms.layouts.common import bare_room, dress_window, hang_pictures, make_window, sill_ledge, wall_ledge
+from indoor_rooms.layouts.contents import Contents, lay_things
 from indoor_rooms.layouts.daylight import COLD, NEUTRAL, WARM, hour_of_day
 from indoor_rooms.layouts.placement import Ledge, RoomBuilder, stream
 from indoor_rooms.layouts.shell import ceiling_panel, daylight_lamps, hang_door, raise_walls
-from indoor_rooms.layouts.things import Contents, lay_things
 from indoor_rooms.layouts.walls import WALL_GAP, FloorLayout, Wall
 from indoor_rooms.materials import textures
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import CHROME, plastic
 from indoor_rooms.materials.themes import Theme, floor_of, pick_one, theme_of, upholstery_of
 from indoor_rooms.room import Room
@@ -151,9 +151,9 @@ def _boards(builder: RoomBuilder, plan: FloorLayout, walls: list[Wall], rng: np.
     """Whiteboard, screen and pinboard wherever a wall is free."""
     whiteboard, screen = float(rng.uniform(1.3, 1.9)), float(rng.uniform(1.1, 1.5))
     hung = (
-        ("whiteboard", whiteboard, media.whiteboard(whiteboard, 1.0, int(rng.integers(4))), 1.58),
-        ("screen", screen, media.wall_screen(screen, pick_one(rng, (None, 0, 1, 2))), 1.5),
-        ("pinboard", 0.9, media.pinboard(0.9, 0.6, rng), 1.5),
+        ("whiteboard", whiteboard, screens.whiteboard(whiteboard, 1.0, int(rng.integers(4))), 1.58),
+        ("screen", screen, screens.wall_screen(screen, pick_one(rng, (None, 0, 1, 2))), 1.5),
+        ("pinboard", 0.9, screens.pinboard(0.9, 0.6, rng), 1.5),
     )
     for (name, width, pieces, middle), chance in zip(hung, (0.95, 0.9, 0.5), strict=True):
         candidates = [walls[int(index)] for index in rng.permutation(4)]
@@ -185,7 +185,7 @@ def _filing_cabinet(
         cabinet = storage.filing_cabinet(steel, drawers, height=height)
         builder.add(f"filing_cabinet_{number + 1}", cabinet, wall.point(place, WALL_GAP), wall.turn, obstacle=True)
     deep = depth - 0.06
-    return [wall_ledge(wall, along, width - 0.03, WALL_GAP + depth / 2, height, deep, "filing_cabinet", "board")]
+    return [wall_ledge(wall, (along, WALL_GAP + depth / 2, height), (width - 0.03, deep), "filing_cabinet", "board")]
 
 
 def _odds_and_ends(builder: RoomBuilder, plan: FloorLayout, walls: list[Wall], rng: np.random.Generator) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from indoor_rooms.layouts.walls import Wall
-from indoor_rooms.materials.materials import Colour
+from indoor_rooms.materials.material import Colour
 from indoor_rooms.room import Sun
 
 WARM: Colour = (1.0, 0.87, 0.70)

@@ -9,12 +9,12 @@ import numpy as np
 
 from indoor_rooms.furniture import cabinets
 from indoor_rooms.geometry.boxes import slab
-from indoor_rooms.geometry.geometry import transform
+from indoor_rooms.geometry.mesh import transform
 from indoor_rooms.layouts.placement import Ledge, RoomBuilder
 from indoor_rooms.layouts.shell import Window
 from indoor_rooms.layouts.walls import Wall
 from indoor_rooms.materials import textures
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 
 FITTED_GAP = 0.002
 REACH = cabinets.COUNTER_DEPTH + 0.02

@@ -7,6 +7,7 @@ import numpy as np
 from indoor_rooms.furniture import fixtures
 from indoor_rooms.layouts.cases import stand_chest, stand_plants, stand_radiator
 from indoor_rooms.layouts.common import bare_room, dress_window, hang_pictures, make_window, sill_ledge
+from indoor_rooms.layouts.contents import Contents, lay_things
 from indoor_rooms.layouts.daylight import NEUTRAL, WARM, hour_of_day
 from indoor_rooms.layouts.dining import dining_place
 from indoor_rooms.layouts.fitted import FITTED_GAP, Run
@@ -14,9 +15,8 @@ from indoor_rooms.layouts.kitchen_runs import Design, design_of, main_run, main_
 from indoor_rooms.layouts.placement import Ledge, NoRoomError, RoomBuilder, stream
 from indoor_rooms.layouts.pots import pots_on_the_stove
 from indoor_rooms.layouts.shell import Window, ceiling_panel, daylight_lamps, hang_door, pendant, raise_walls
-from indoor_rooms.layouts.things import Contents, lay_things
 from indoor_rooms.layouts.walls import FloorLayout
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import glazed
 from indoor_rooms.materials.themes import LACQUERS, STONES, TILES, Theme, counter_of, finish_of, floor_of, pick_one
 from indoor_rooms.room import Room

@@ -228,5 +228,5 @@ def second_run(
         builder.add(
             "shelf", cabinets.shelf(width, design.theme.timber), run.wall.point(along, 0.009, height), run.wall.turn
         )
-        ledges.append(wall_ledge(run.wall, along, width - 0.08, 0.12, height, 0.18, "shelf", "shelf"))
+        ledges.append(wall_ledge(run.wall, (along, 0.12, height), (width - 0.08, 0.18), "shelf", "shelf"))
     return ledges

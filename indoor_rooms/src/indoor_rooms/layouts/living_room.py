@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from indoor_rooms.furniture import lounge, media, seating, soft, storage, tables
+from indoor_rooms.furniture import lounge, screens, seating, soft, storage, tables
 from indoor_rooms.layouts.cases import (
     keep_floor,
     stand_bookcase,
@@ -14,13 +14,13 @@ from indoor_rooms.layouts.cases import (
     stand_radiator,
 )
 from indoor_rooms.layouts.common import bare_room, dress_window, hang_pictures, make_window, sill_ledge, wall_ledge
+from indoor_rooms.layouts.contents import Contents, lay_things
 from indoor_rooms.layouts.daylight import NEUTRAL, WARM, Daylight, hour_of_day, scaled
 from indoor_rooms.layouts.dining import RUG_TOP
 from indoor_rooms.layouts.placement import Ledge, RoomBuilder, stream
 from indoor_rooms.layouts.shell import ceiling_panel, daylight_lamps, hang_door, pendant, raise_walls
-from indoor_rooms.layouts.things import Contents, lay_things
 from indoor_rooms.layouts.walls import WALL_GAP, FloorLayout, Wall
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import glazed
 from indoor_rooms.materials.themes import Theme, floor_of, pick_one, theme_of, upholstery_of
 from indoor_rooms.room import Lamp, Room
@@ -126,7 +126,7 @@ def _seats(
     centres = lounge.seat_centres(sofa_width)
     seat = (sofa_width - 2 * lounge.ARM_WIDTH) / len(centres) - SOFT_EDGES
     for centre in centres:
-        ledge = wall_ledge(behind, along + centre, seat, out, lounge.SEAT_HEIGHT, SOFA_SEAT_DEPTH, "sofa", "seat")
+        ledge = wall_ledge(behind, (along + centre, out, lounge.SEAT_HEIGHT), (seat, SOFA_SEAT_DEPTH), "sofa", "seat")
         ledges.append(ledge)
 
     opposite = watched.length - along
@@ -142,7 +142,7 @@ def _seats(
     )
     builder.add(
         "television",
-        media.television(screen),
+        screens.television(screen),
         watched.point(opposite, WALL_GAP + 0.10, storage.TV_STAND_HEIGHT + 0.0008),
         watched.turn,
     )
@@ -151,7 +151,7 @@ def _seats(
     for side in (-1, 1):
         place = opposite + side * (stand - free - 0.02) / 2
         ledges.append(
-            wall_ledge(watched, place, free, WALL_GAP + 0.21, storage.TV_STAND_HEIGHT, 0.36, "tv_stand", "board")
+            wall_ledge(watched, (place, WALL_GAP + 0.21, storage.TV_STAND_HEIGHT), (free, 0.36), "tv_stand", "board")
         )
     table_ledges, middle, reach = _low_table(builder, plan, behind, along, theme, rng)
     ledges += table_ledges
@@ -182,7 +182,7 @@ def _seats(
                 obstacle=True,
             )
             ledges.append(
-                wall_ledge(behind, place, 0.38, 0.30, tables.SIDE_TABLE_HEIGHT, 0.26, "side_table", "low table")
+                wall_ledge(behind, (place, 0.30, tables.SIDE_TABLE_HEIGHT), (0.38, 0.26), "side_table", "low table")
             )
     return ledges, lamps, middle
 
@@ -210,7 +210,7 @@ def _low_table(
     strip, offset = (depth / 2 - 0.06, depth / 4 - 0.01) if shape != "round" else (0.24, 0.13)
     ledges = []
     for sign in (-1, 1):
-        ledge = wall_ledge(behind, along, usable, out + sign * offset, top, strip, "coffee_table", "low table")
+        ledge = wall_ledge(behind, (along, out + sign * offset, top), (usable, strip), "coffee_table", "low table")
         ledges.append(ledge)
     x, y, _ = behind.point(along, out)
     return ledges, (x, y), rug_width / 2

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_rooms.geometry.geometry import Vector
+from indoor_rooms.geometry.mesh import Vector
 from indoor_rooms.geometry.pieces import Pieces, bounds, footprint, placed
 from indoor_rooms.layouts.walls import Wall
 from indoor_rooms.room import Part

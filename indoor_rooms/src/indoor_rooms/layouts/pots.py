@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from indoor_rooms.furniture.appliances import BURNERS, STOVE_TOP
-from indoor_rooms.geometry.geometry import Vector
+from indoor_rooms.geometry.mesh import Vector
+from indoor_rooms.layouts.contents import arrangement
 from indoor_rooms.layouts.placement import LIFT, RoomBuilder, stream
-from indoor_rooms.layouts.things import arrangement
 from indoor_rooms.objects import OBJECTS
 
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from indoor_rooms.furniture import fixtures
-from indoor_rooms.geometry.geometry import quad
+from indoor_rooms.geometry.mesh import quad
 from indoor_rooms.layouts.daylight import Daylight, scaled
 from indoor_rooms.layouts.placement import NoRoomError, RoomBuilder
 from indoor_rooms.layouts.walls import FloorLayout, Wall
-from indoor_rooms.materials.materials import Colour, Material, from_hex
+from indoor_rooms.materials.material import Colour, Material, from_hex
 from indoor_rooms.materials.themes import Theme, WoodTones, finish_of, paint_of, pick_one
 from indoor_rooms.room import Lamp
 

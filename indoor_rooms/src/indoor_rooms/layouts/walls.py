@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from indoor_rooms.geometry.geometry import Vector
+from indoor_rooms.geometry.mesh import Vector
 
 Rectangle: TypeAlias = tuple[float, float, float, float]
 """x from, y from, x to, y to; metres."""

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from indoor_rooms.materials.materials import from_hex
+from indoor_rooms.materials.material import from_hex
 from indoor_rooms.materials.noise import blend, finish, noise, paint
 from indoor_rooms.materials.textures import Texture
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from indoor_rooms.materials.materials import from_hex
+from indoor_rooms.materials.material import from_hex
 from indoor_rooms.materials.noise import Field, finish, noise, paint
 from indoor_rooms.materials.prints import to_texture
 from indoor_rooms.materials.textures import Texture

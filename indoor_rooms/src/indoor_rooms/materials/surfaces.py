@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from indoor_rooms.materials import textures
-from indoor_rooms.materials.materials import Colour, Material, from_hex
+from indoor_rooms.materials.material import Colour, Material, from_hex
 
 CHROME = Material(colour=(0.86, 0.87, 0.88), roughness=0.09, metalness=1.0)
 BLACK_PLASTIC = Material(colour=from_hex("#2b2b2d"), roughness=0.42)

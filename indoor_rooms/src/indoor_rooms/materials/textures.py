@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_rooms.materials.materials import from_hex
+from indoor_rooms.materials.material import from_hex
 from indoor_rooms.materials.noise import Field, blend, finish, noise, paint
 
 Texture: TypeAlias = NDArray[np.float32]

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from indoor_rooms.materials import textures
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import cloth, plastic, wood
 
 Choice = TypeVar("Choice")

@@ -6,9 +6,9 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import arc, cylinder, lathe, smooth_profile, tube
-from indoor_rooms.geometry.geometry import merge, shear, transform
+from indoor_rooms.geometry.mesh import merge, shear, transform
 from indoor_rooms.geometry.pieces import Pieces
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import (
     BLACK_PLASTIC,
     BRASS,

@@ -6,7 +6,7 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import cylinder, lathe, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, transform, without_sides
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, transform, without_sides
 from indoor_rooms.geometry.pieces import Pieces, placed
 from indoor_rooms.materials import prints_devices
 from indoor_rooms.materials.surfaces import BLACK_GLASS, BLACK_PLASTIC, display, metallic, plastic, printed

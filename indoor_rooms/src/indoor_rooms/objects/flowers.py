@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_rooms.geometry.curves import lathe, leaf, smooth_profile, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, transform
+from indoor_rooms.geometry.mesh import Mesh, merge, transform
 from indoor_rooms.geometry.pieces import Pieces
 from indoor_rooms.materials import prints_patterns
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import glazed, glossy_print
 from indoor_rooms.objects.shaping import PALETTE, blob, pick, two_colours
 

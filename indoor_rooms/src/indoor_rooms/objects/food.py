@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_rooms.geometry.curves import arc, lathe, leaf, tube
-from indoor_rooms.geometry.geometry import grid_faces, smooth_normals, transform
+from indoor_rooms.geometry.mesh import grid_faces, smooth_normals, transform
 from indoor_rooms.geometry.pieces import Pieces, bounds
 from indoor_rooms.materials import textures
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import STALK
 
 WHITE = (1.0, 1.0, 1.0)

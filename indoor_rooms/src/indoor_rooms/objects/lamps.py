@@ -6,10 +6,10 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import cylinder, lathe, smooth_profile, sphere, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, transform
+from indoor_rooms.geometry.mesh import Mesh, merge, transform
 from indoor_rooms.geometry.pieces import Pieces, standing
 from indoor_rooms.materials import prints_patterns
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import (
     BLACK_PLASTIC,
     BRASS,

@@ -6,10 +6,10 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import arc, lathe, smooth_profile, tube
-from indoor_rooms.geometry.geometry import grid_faces, merge, quad, smooth_normals, transform
+from indoor_rooms.geometry.mesh import grid_faces, merge, quad, smooth_normals, transform
 from indoor_rooms.geometry.pieces import Pieces, standing
 from indoor_rooms.materials import prints, prints_paper, prints_patterns
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import (
     BLACK_PLASTIC,
     BRASS,

@@ -6,7 +6,7 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import arc, cylinder, disc, lathe, smooth_profile, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, transform
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, transform
 from indoor_rooms.geometry.pieces import Pieces, standing
 from indoor_rooms.materials import prints_devices
 from indoor_rooms.materials.surfaces import (

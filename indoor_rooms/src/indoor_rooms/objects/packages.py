@@ -6,10 +6,10 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import cylinder, lathe, smooth_profile, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, transform
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, transform
 from indoor_rooms.geometry.pieces import Pieces
 from indoor_rooms.materials import prints
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import WHITE_PAINT, glazed, plastic, printed, steel
 from indoor_rooms.objects.shaping import PALETTE, pick, two_colours
 

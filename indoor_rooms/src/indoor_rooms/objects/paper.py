@@ -6,7 +6,7 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import arc, cylinder, lathe, tube
-from indoor_rooms.geometry.geometry import merge, quad, transform
+from indoor_rooms.geometry.mesh import merge, quad, transform
 from indoor_rooms.geometry.pieces import Pieces, placed
 from indoor_rooms.materials import prints, prints_paper, prints_patterns
 from indoor_rooms.materials.surfaces import BLACK_PLASTIC, CHROME, PAPER, metallic, plastic, printed, rubber

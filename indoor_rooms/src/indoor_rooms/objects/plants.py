@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_rooms.geometry.curves import disc, lathe, leaf, smooth_profile, tube
-from indoor_rooms.geometry.geometry import Mesh, grid_faces, merge, smooth_normals, transform
+from indoor_rooms.geometry.mesh import Mesh, grid_faces, merge, smooth_normals, transform
 from indoor_rooms.geometry.pieces import Pieces
 from indoor_rooms.materials import prints_patterns
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import glazed, glossy_print, patterned, plastic
 from indoor_rooms.objects.shaping import PALETTE, blob, pick, two_colours
 

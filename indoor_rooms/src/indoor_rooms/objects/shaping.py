@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from indoor_rooms.geometry.boxes import box
 from indoor_rooms.geometry.curves import cylinder, sphere
-from indoor_rooms.geometry.geometry import (
+from indoor_rooms.geometry.mesh import (
     Mesh,
     Vector,
     grid_faces,

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_rooms.geometry.curves import arc, cylinder, disc, lathe, smooth_profile, tube
-from indoor_rooms.geometry.geometry import Mesh, merge, transform
+from indoor_rooms.geometry.mesh import Mesh, merge, transform
 from indoor_rooms.geometry.pieces import Pieces, placed
 from indoor_rooms.materials import prints, prints_patterns, textures
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import glazed, glossy_print, printed
 from indoor_rooms.objects.shaping import PALETTE, pick, two_colours
 

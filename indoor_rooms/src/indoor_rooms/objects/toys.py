@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from indoor_rooms.geometry.curves import arc, lathe, sphere, tube
-from indoor_rooms.geometry.geometry import merge, transform
+from indoor_rooms.geometry.mesh import merge, transform
 from indoor_rooms.geometry.pieces import Pieces, placed, standing
 from indoor_rooms.materials import prints_patterns
 from indoor_rooms.materials.surfaces import (

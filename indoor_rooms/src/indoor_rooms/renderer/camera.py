@@ -27,6 +27,29 @@ _NEIGHBOURS = (
 )
 
 
+@dataclass(frozen=True)
+class Quality:
+    """How much is computed for each pixel.
+
+    Attributes:
+        samples: rays per pixel, a square number.
+        denoise: whether to remove the noise of soft shadows and reflections.
+
+    Raises:
+        ValueError: if `samples` is not a square number.
+    """
+
+    samples: int = 4
+    denoise: bool = True
+
+    def __post_init__(self) -> None:
+        if self.samples < 1 or math.isqrt(self.samples) ** 2 != self.samples:
+            raise ValueError(f"rays per pixel must be a square number (1, 4, 9, ...), got {self.samples}")
+
+
+USUAL_QUALITY = Quality()
+
+
 @dataclass(frozen=True, eq=False)
 class Rendering:
     """What the camera sees.
@@ -63,9 +86,8 @@ def render(
     tilt: float = 0.0,
     image_size: int = 300,
     fov: float = 75.0,
-    samples: int = 4,
-    denoise: bool = True,
     exposure: float = 1.0,
+    quality: Quality = USUAL_QUALITY,
 ) -> Rendering:
     """Take a picture.
 
@@ -78,26 +100,24 @@ def render(
         tilt: degrees, positive looks up.
         image_size: side of the square picture in pixels.
         fov: horizontal and vertical field of view in degrees, between 0 and 180.
-        samples: rays per pixel, a square number.
-        denoise: whether to remove the noise of soft shadows and reflections.
         exposure: brightness relative to the room's own exposure.
+        quality: how much is computed for each pixel.
 
     Raises:
-        ValueError: if `samples` is not a square number, or size or field of view are out of range.
+        ValueError: if size or field of view are out of range.
     """
-    grid = math.isqrt(samples)
-    if samples < 1 or grid * grid != samples:
-        raise ValueError(f"rays per pixel must be a square number (1, 4, 9, ...), got {samples}")
     if image_size < 1 or not 0 < fov < 180:
         raise ValueError(f"need an image size of at least 1 and a field of view in 0..180, got {image_size}, {fov}")
     rng = _view_rng(baked.seed, position, heading, tilt)
-    lens = Lens(image_size, fov, grid, np.asarray(position, np.float32), camera_axes(heading, tilt))
+    lens = Lens(
+        image_size, fov, math.isqrt(quality.samples), np.asarray(position, np.float32), camera_axes(heading, tilt)
+    )
     rays = _cast(baked, lens)
     picture, albedo, normal = light_pixels(baked, lens, rays, baked.exposure * exposure, rng)
     mask, depth = _mask_and_depth(baked, rays)
     side = (image_size, image_size)
     picture, albedo, normal = (layer.reshape(*side, 3) for layer in (picture, albedo, normal))
-    if denoise:
+    if quality.denoise:
         picture = remove_noise(picture, albedo, normal)
     return Rendering(tone_map(picture), mask.reshape(side), depth.reshape(side))
 

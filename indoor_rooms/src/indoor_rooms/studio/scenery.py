@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from indoor_rooms.materials import textures
-from indoor_rooms.materials.materials import Material, from_hex
+from indoor_rooms.materials.material import Material, from_hex
 from indoor_rooms.materials.surfaces import cloth, printed, wood
 from indoor_rooms.materials.textures import Texture
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_rooms.geometry.geometry import quad, rotation, transform
+from indoor_rooms.geometry.mesh import quad, rotation, transform
 from indoor_rooms.geometry.pieces import bounds, placed
 from indoor_rooms.objects import OBJECTS
 from indoor_rooms.renderer.camera_faults import CameraFaults
 from indoor_rooms.room import Part, Room
-from indoor_rooms.studio.pictures import OBJECT_RADIUS, Direction, Light, Shot, Stage, key_light, tint
 from indoor_rooms.studio.scenery import Covering, Scenery
+from indoor_rooms.studio.stage import OBJECT_RADIUS, Direction, Light, Shot, Stage, key_light, tint
 from indoor_rooms.studio.subjects import Subject
 
 FIELD_OF_VIEW = 50.0

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from indoor_rooms.geometry.geometry import transform
+from indoor_rooms.geometry.mesh import transform
 from indoor_rooms.geometry.pieces import Pieces, bounds
 from indoor_rooms.objects import OBJECTS
 from indoor_rooms.room import Part
-from indoor_rooms.studio.pictures import OBJECT_RADIUS, Direction, Shot, aim
+from indoor_rooms.studio.stage import OBJECT_RADIUS, Direction, Shot, aim
 
 # Objects as flat as the first number (height by width) are photographed from above, those beyond the second upright.
 FLAT, UPRIGHT = 0.15, 0.6

@@ -17,11 +17,11 @@ from active_perceiver.utils.memory import peak_memory
 from active_perceiver.utils.progress import ProgressCallback, quiet
 from indoor_rooms.free_space import free_positions
 from indoor_rooms.renderer import camera, pixels, shading, tone
-from indoor_rooms.renderer.camera import render
+from indoor_rooms.renderer.camera import Quality, render
 from indoor_rooms.renderer.compiled import compile_room
 from indoor_rooms.renderer.lighting import BakedRoom, bake
 from indoor_rooms.room import Room
-from indoor_rooms.studio.studio import studio_pictures
+from indoor_rooms.studio.studio_pictures import studio_pictures
 
 HEADINGS = (0.0, 90.0, 180.0, 270.0)
 # The functions in which the stages of a view spend their time; none calls another of them.
@@ -89,7 +89,7 @@ def measure_rendering(
     def take(pose: NDArray[np.float64]) -> None:
         x, y, heading, tilt = pose.tolist()
         place = (x, y, settings.camera_height)
-        render(baked, place, heading, tilt, image_size, settings.fov, settings.samples)
+        render(baked, place, heading, tilt, image_size, settings.fov, quality=Quality(settings.samples))
 
     # The first view also sets up what all need: rays, sun shafts, the denoiser.
     take(poses[0])

@@ -22,12 +22,12 @@ from active_perceiver.scenes.lattice import lattice_poses, lattice_transitions
 from active_perceiver.scenes.scene import Scene, Target
 from active_perceiver.utils.progress import ProgressCallback, quiet
 from indoor_rooms.free_space import free_positions, without_collisions
-from indoor_rooms.renderer.camera import render
+from indoor_rooms.renderer.camera import Quality, render
 from indoor_rooms.renderer.camera_faults import view_rng, with_faults
 from indoor_rooms.renderer.compiled import compile_room
 from indoor_rooms.renderer.lighting import BakedRoom, bake
 from indoor_rooms.room import Room
-from indoor_rooms.studio.studio import HELD_OUT, SETUPS, TargetError, studio_pictures
+from indoor_rooms.studio.studio_pictures import HELD_OUT, SETUPS, TargetError, studio_pictures
 
 HEADINGS = (0.0, 90.0, 180.0, 270.0)
 # An object that covers less of the picture than this cannot be recognised by anyone.
@@ -246,7 +246,9 @@ def look(
     """
     x, y, heading, tilt = pose
     position = (x, y, settings.camera_height)
-    rendering = render(baked, position, heading, tilt, settings.image_size, settings.fov, settings.samples)
+    rendering = render(
+        baked, position, heading, tilt, settings.image_size, settings.fov, quality=Quality(settings.samples)
+    )
     height = height or settings.image_size
     top = (settings.image_size - height) // 2
     image, mask = rendering.image[top : top + height], rendering.mask[top : top + height]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from active_perceiver.capture.rendered.config import CaptureError
 from active_perceiver.capture.rendered.render import room_fingerprint
 from indoor_rooms.layouts import make_room
-from indoor_rooms.layouts.things import Contents
+from indoor_rooms.layouts.contents import Contents
 from indoor_rooms.room import Room
 
 OTHER_LAYOUT = "living_room"

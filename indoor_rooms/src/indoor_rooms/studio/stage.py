@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from indoor_rooms.geometry.geometry import Vector, quad
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.geometry.mesh import Vector, quad
+from indoor_rooms.materials.material import Material
 from indoor_rooms.renderer.camera import Rendering, camera_axes, render
 from indoor_rooms.renderer.camera_faults import CameraFaults
 from indoor_rooms.renderer.lighting import BakedRoom

@@ -6,7 +6,7 @@ import numpy as np
 
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import cylinder, lathe, tube
-from indoor_rooms.geometry.geometry import Mesh, grid_faces, merge, quad, smooth_normals, transform
+from indoor_rooms.geometry.mesh import Mesh, grid_faces, merge, quad, smooth_normals, transform
 from indoor_rooms.geometry.pieces import Pieces, placed, standing
 from indoor_rooms.materials import prints_patterns
 from indoor_rooms.materials.surfaces import (

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from indoor_rooms.errors import RoomError
 from indoor_rooms.geometry.curves import lathe
-from indoor_rooms.materials.materials import Colour, Material
+from indoor_rooms.materials.material import Colour, Material
 from indoor_rooms.renderer.camera_faults import with_faults
 from indoor_rooms.renderer.lighting import bake
 from indoor_rooms.room import Part, Room
-from indoor_rooms.studio.pictures import Direction, Light, Stage, key_light, take
 from indoor_rooms.studio.scenery import HELD_OUT_SCENERY, TRAINING_SCENERY, Scenery
 from indoor_rooms.studio.snapshots import snapshot_stage
+from indoor_rooms.studio.stage import Direction, Light, Stage, key_light, take
 from indoor_rooms.studio.subjects import Subject, on_stage
 
 FIELD_OF_VIEW = 30.0

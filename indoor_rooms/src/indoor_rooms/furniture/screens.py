@@ -7,10 +7,10 @@ import numpy as np
 from indoor_rooms.furniture.building import at, check_range
 from indoor_rooms.geometry.boxes import rounded_box
 from indoor_rooms.geometry.curves import cylinder, sphere
-from indoor_rooms.geometry.geometry import Mesh, merge, quad, transform
+from indoor_rooms.geometry.mesh import Mesh, merge, quad, transform
 from indoor_rooms.geometry.pieces import Pieces
 from indoor_rooms.materials import board_prints, textures
-from indoor_rooms.materials.materials import Material
+from indoor_rooms.materials.material import Material
 from indoor_rooms.materials.surfaces import BLACK_GLASS, BLACK_PLASTIC, glazed, plastic, printed
 
 TELEVISION_DEPTH = 0.24
