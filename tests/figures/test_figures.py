@@ -19,7 +19,6 @@ from active_perceiver.figures.floor import (
     trajectory_panels,
 )
 from active_perceiver.recognition.recogniser import Detection
-from active_perceiver.reports import page
 from active_perceiver.scenes import FloorPlan
 from active_perceiver.scenes.lattice import goal_states
 
@@ -132,18 +131,6 @@ def test_a_contact_sheet_shows_views_and_targets(scene):
     assert sheet.shape[0] > 1000
     assert np.unique(sheet.reshape(-1, 3), axis=0).shape[0] > 1000
     np.testing.assert_array_equal(sheet, contact_sheet(scene))
-
-
-def test_a_page_is_self_contained_and_escapes_text(tmp_path):
-    path = tmp_path / "report.html"
-    figure = page.picture(b"\x89PNG", ".png", 'a "mug" & more')
-    page.write_page(path, "<Search>", "lead", [page.row([figure]), page.table(["a", "b"], [["<x>", 1]])])
-    text = path.read_text()
-    assert "<title>&lt;Search&gt;</title>" in text
-    assert "&lt;x&gt;" in text
-    assert "<x>" not in text
-    assert 'src="data:image/png;base64,' in text
-    assert 'src="http' not in text
 
 
 def test_colours_survive_png(tmp_path):

@@ -11,7 +11,7 @@ from active_perceiver.envs.task import SearchTask
 from active_perceiver.live import SearchRecord
 from active_perceiver.recognition.metrics import box_iou
 from active_perceiver.reports import page
-from active_perceiver.reports.search_card import search_card
+from active_perceiver.reports.search_card import SearchCard, search_card
 from active_perceiver.scenes import Scene
 from active_perceiver.utils.result import format_number
 
@@ -38,7 +38,7 @@ class SearchSummary:
 
 
 @dataclass(frozen=True)
-class Found:
+class DemoSearch:
     """One search of the demo with everything the report shows of it."""
 
     record: SearchRecord
@@ -48,7 +48,9 @@ class Found:
     folder: Path
 
     @classmethod
-    def of(cls, record: SearchRecord, scene: Scene, task: SearchTask, start: int, state: int, folder: Path) -> Found:
+    def of(
+        cls, record: SearchRecord, scene: Scene, task: SearchTask, start: int, state: int, folder: Path
+    ) -> DemoSearch:
         """Compare a finished search for the only target of `task` with the truth.
 
         Args:
@@ -70,34 +72,35 @@ class Found:
         )
 
 
-def write_report(path: Path, agent: ActivePerceiver, body: dict[str, Any], found: list[Found]) -> None:
+def write_report(path: Path, agent: ActivePerceiver, body: dict[str, Any], searches: list[DemoSearch]) -> None:
     """Write the report page.
 
     Args:
         path: the HTML file.
         agent: that searched.
         body: of the result file.
-        found: the searches, in the order in which to show them.
+        searches: in the order in which to show them.
     """
-    scene = found[0].scene
+    scene = searches[0].scene
     lead = (
-        f"An agent was trained in {scene.name}, a room of {len(scene)} views, to search for {len(found)} of its "
+        f"An agent was trained in {scene.name}, a room of {len(scene)} views, to search for {len(searches)} of its "
         "objects. Each search below begins far away from the object, with a picture of it that training has never "
         "seen; the agent sees nothing but its camera's view and says by itself when it has found the object."
     )
-    pieces = [_search_card(item) for item in found]
-    pieces += [
-        "<h2>The policy, over all starts</h2>",
-        _policy_table(body),
-        "<h2>By its own word</h2>",
-        _word_table(body),
-    ]
-    pieces += ["<h2>The recogniser, in places it was not trained in</h2>", _recogniser_table(body)]
-    pieces += ["<h2>How it was made</h2>", _settings_table(agent, body)]
-    page.write_page(path, "Active Object Perceiver: a search from a picture", lead, pieces)
+    page.write_page(
+        path,
+        "demo_report.html.j2",
+        title="Active Object Perceiver: a search from a picture",
+        lead=lead,
+        cards=[_search_card(item) for item in searches],
+        policy=_policy_table(body),
+        stops=_stop_table(body),
+        recogniser=_recogniser_table(body),
+        settings=_settings_table(agent, body),
+    )
 
 
-def _search_card(item: Found) -> str:
+def _search_card(item: DemoSearch) -> SearchCard:
     summary = item.summary
     verdict = (
         f"{item.record.ending}: {summary.actions} actions, the fewest to a goal state are {summary.shortest}; "
@@ -107,7 +110,7 @@ def _search_card(item: Found) -> str:
     return search_card(item.record, summary.target, verdict, video, item.scene, item.task.goals[:, 0])
 
 
-def _policy_table(body: dict[str, Any]) -> str:
+def _policy_table(body: dict[str, Any]) -> page.Table:
     rows = []
     for result in [*body["per_target"], {**body["overall"], "target": "all"}]:
         steps = [format_number(result[name], ".2f") for name in ("mean_steps", "shortest_mean")]
@@ -122,10 +125,10 @@ def _policy_table(body: dict[str, Any]) -> str:
         )
     note = "Exact, from the policy's Markov chain: every start from which a goal state can be reached, no sampling."
     head = ["target", "success", "mean actions", "fewest possible", "ratio", "SPL"]
-    return f"<p>{page.text(note)}</p>{page.table(head, rows)}"
+    return page.Table(head, rows, note)
 
 
-def _word_table(body: dict[str, Any]) -> str:
+def _stop_table(body: dict[str, Any]) -> page.Table:
     rows = []
     for label, key in (("pictures seen in training", "pictures_seen"), ("pictures never seen", "pictures_unseen")):
         words = body["stop_evaluation"][key]
@@ -141,10 +144,10 @@ def _word_table(body: dict[str, Any]) -> str:
         f"“Found” is true if the drawn box overlaps the true one with an IoU of at least {protocol['true_iou']}."
     )
     head = ["target", "found, true", "found, false", "not found", "at a goal state", "mean actions"]
-    return f"<p>{page.text(note)}</p>{page.table(head, rows)}"
+    return page.Table(head, rows, note)
 
 
-def _recogniser_table(body: dict[str, Any]) -> str:
+def _recogniser_table(body: dict[str, Any]) -> page.Table:
     rows = []
     for kind, figures in body["recogniser"].items():
         for pictures in ("seen pictures", "unseen pictures"):
@@ -159,10 +162,10 @@ def _recogniser_table(body: dict[str, Any]) -> str:
         "0.3 % of the image count; recall and false positives are at the score from which on the agent believes it."
     )
     head = ["recogniser", "AUROC", "AP50", "mean IoU", "recall", "false positives", "views with the target"]
-    return f"<p>{page.text(note)}</p>{page.table(head, rows)}"
+    return page.Table(head, rows, note)
 
 
-def _settings_table(agent: ActivePerceiver, body: dict[str, Any]) -> str:
+def _settings_table(agent: ActivePerceiver, body: dict[str, Any]) -> page.Table:
     machine = body["machine"]
     rows = [
         ["backbone", f"{agent.config.backbone}, {agent.config.image_size} pixels"],
@@ -171,4 +174,4 @@ def _settings_table(agent: ActivePerceiver, body: dict[str, Any]) -> str:
         ["machine", f"{machine['processor']}, {machine['cores']} cores"],
         *[[f"seconds: {name}", f"{seconds:.1f}"] for name, seconds in body["seconds"].items()],
     ]
-    return page.table(["", ""], rows)
+    return page.Table((), rows)

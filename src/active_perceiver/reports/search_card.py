@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,23 @@ from active_perceiver.scenes.images import encode_image, square_image
 STRIP_VIEWS = 8
 
 
+@dataclass(frozen=True)
+class SearchCard:
+    """What a page shows of a search.
+
+    Attributes:
+        label: name of what was searched.
+        verdict: how it ended, beside the title.
+        figures: the picture, the last view, the path if it is known, the video.
+        views: some on the way.
+    """
+
+    label: str
+    verdict: str
+    figures: list[page.Figure]
+    views: list[page.Figure]
+
+
 def search_card(
     record: SearchRecord,
     label: str,
@@ -23,41 +42,38 @@ def search_card(
     video: bytes,
     room: HasFloorPlan | None,
     goals: NDArray[np.bool_] | None = None,
-) -> str:
-    """A piece of a page.
+) -> SearchCard:
+    """Collect what a page shows of a search.
 
     Args:
         record: the search.
         label: name of what was searched.
-        verdict: how it ended, beside the title.
+        verdict: how it ended.
         video: MP4 of the search.
         room: for the path; on plain axes if it is not known.
         goals: (S,) bool, goal states of a room that is known.
     """
-    last = record.step_records[-1]
+    last = len(record.step_records) - 1
     figures = [
-        page.picture(encode_image(square_image(record.picture, 300)), ".webp", "what to search for"),
-        page.picture(
-            encode_image(draw_detection(last.image, last.step.detection, label)),
-            ".webp",
-            f"the last view: {record.ending}",
-        ),
+        page.Figure.of(encode_image(square_image(record.picture, 300)), ".webp", "what to search for"),
+        _view(record, last, label, f"the last view: {record.ending}"),
     ]
     path = path_png(record, label, room, goals)
     if path is not None:
         note = "the path, from the orange point to the arrow" if goals is None else "the path; green: goal states"
-        figures.append(page.picture(path, ".png", note))
-    figures.append(page.video(video, "the search"))
-    steps = [
-        page.picture(
-            encode_image(draw_detection(step_record.image, step_record.step.detection, label, 240)),
-            ".webp",
-            f"{look}: {record.caption(look)}",
-        )
-        for look, step_record in ((look, record.step_records[look]) for look in key_steps(record, STRIP_VIEWS))
+        figures.append(page.Figure.of(path, ".png", note))
+    figures.append(page.Figure.of(video, ".mp4", "the search"))
+    views = [
+        _view(record, look, label, f"{look}: {record.caption(look)}", 240) for look in key_steps(record, STRIP_VIEWS)
     ]
-    title = f'<h3>{page.text(label)} <span class="muted">{page.text(verdict)}</span></h3>'
-    return f'<section class="card">{title}{page.row(figures)}{page.strip(steps)}</section>'
+    return SearchCard(label, verdict, figures, views)
+
+
+def _view(record: SearchRecord, look: int, label: str, caption: str, size: int = 600) -> page.Figure:
+    """What was seen in a look, with its box, on a square of `size` pixels."""
+    step_record = record.step_records[look]
+    drawn = draw_detection(step_record.image, step_record.step.detection, label, size)
+    return page.Figure.of(encode_image(drawn), ".webp", caption)
 
 
 def path_png(

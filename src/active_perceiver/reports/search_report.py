@@ -12,34 +12,16 @@ from active_perceiver.figures.video import write_video
 from active_perceiver.live import SearchRecord
 from active_perceiver.live.config import RecordingHeader
 from active_perceiver.live.recorder import step_json
-from active_perceiver.live.recording import Recording, read_recording
+from active_perceiver.live.recording import Recording
 from active_perceiver.live.search_loop import MAX_MINUTES, MAX_STEPS
 from active_perceiver.reports import page
 from active_perceiver.reports.search_card import path_png, search_card
 from active_perceiver.scenes.floor_plan import HasFloorPlan
 from active_perceiver.utils.files import OutputExistsError, replacing
-from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
+from active_perceiver.utils.progress import ProgressCallback, quiet
 from active_perceiver.utils.result import format_number, write_result
 
 REPORT_FILES = ("search.mp4", "report.html", "path.png", "final.png", "search.json")
-
-
-def report_command(folder: Path, out: Path | None = None, *, force: bool = False) -> None:
-    """Make a report of a recording and say where it is.
-
-    Args:
-        folder: of the recording.
-        out: folder for the report; that of the recording if not given.
-        force: replace an earlier report.
-
-    Raises:
-        UserError: if the recording cannot be read, or a report is there and may not be replaced.
-    """
-    out = out or folder
-    check_report(out, force)
-    recording = read_recording(folder)
-    print(verdict(recording.record))
-    write_report(recording, out)
 
 
 def check_report(out: Path, force: bool) -> None:
@@ -55,30 +37,33 @@ def check_report(out: Path, force: bool) -> None:
         raise OutputExistsError(f"{out / there[0]} exists; give another --out, or --force to replace the report")
 
 
-def write_report(recording: Recording, out: Path) -> None:
-    """Write what `REPORT_FILES` names, and print where; without poses there is no `path.png`.
+def write_report(recording: Recording, out: Path, report: ProgressCallback = quiet) -> list[str]:
+    """Write what `REPORT_FILES` names; without poses there is no `path.png`.
 
     Args:
         recording: a search, read from the disk or just ended.
         out: folder; made if it is not there.
+        report: called after every frame of the video.
+
+    Returns:
+        The names of the files that were written.
     """
     setup, record = recording.setup, recording.record
-    with progress_bar("video") as report:
-        write_search(record, setup.floor, setup.label, out, setup.place, report)
-    body = [
-        search_card(record, setup.label, verdict(record), (out / "search.mp4").read_bytes(), setup.floor),
-        "<h2>What it saw and did</h2>",
-        _steps_table(record),
-        "<h2>What it was asked to do</h2>",
-        _setup_table(setup, record),
-    ]
+    write_search(record, setup.floor, setup.label, out, setup.place, report)
     begun = setup.started[:16].replace("T", " ")
     lead = f"A search in {setup.place}, begun {begun}. {verdict(record).capitalize()}."
     if setup.dry_run:
         lead += " The agent looked and decided; nothing it decided was carried out."
-    page.write_page(out / "report.html", f"Search for {setup.label}", lead, body)
-    written = [name for name in REPORT_FILES if (out / name).exists()]
-    print(f"written into {out}: {', '.join(written)}")
+    page.write_page(
+        out / "report.html",
+        "search_report.html.j2",
+        title=f"Search for {setup.label}",
+        lead=lead,
+        card=search_card(record, setup.label, verdict(record), (out / "search.mp4").read_bytes(), setup.floor),
+        steps=_steps_table(record),
+        setup=_setup_table(setup, record),
+    )
+    return [name for name in REPORT_FILES if (out / name).exists()]
 
 
 def write_search(
@@ -136,7 +121,7 @@ def verdict(record: SearchRecord) -> str:
     return f"{cause} after {spent}" + (f": {detail}" if detail else "")
 
 
-def _steps_table(record: SearchRecord) -> str:
+def _steps_table(record: SearchRecord) -> page.Table:
     rows, last = [], len(record.step_records) - 1
     for look, step_record in enumerate(record.step_records):
         detection = step_record.step.detection
@@ -155,10 +140,10 @@ def _steps_table(record: SearchRecord) -> str:
         "moved: whether the action changed where the robot is, if the robot says."
     )
     head = ["look", "score", "area", "decided", "moved", "seconds"]
-    return f"<p>{page.text(note)}</p>{page.table(head, rows)}"
+    return page.Table(head, rows, note)
 
 
-def _setup_table(setup: RecordingHeader, record: SearchRecord) -> str:
+def _setup_table(setup: RecordingHeader, record: SearchRecord) -> page.Table:
     unlimited = math.isinf(setup.max_minutes)
     minutes = "no limit of time" if unlimited else f"{setup.max_minutes:g} minutes"
     rows: list[list[object]] = [
@@ -175,4 +160,4 @@ def _setup_table(setup: RecordingHeader, record: SearchRecord) -> str:
         ["ended", record.reason],
         ["software", f"active-perceiver {setup.software}"],
     ]
-    return page.table(["", ""], rows)
+    return page.Table((), rows)
