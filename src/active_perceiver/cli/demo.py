@@ -17,7 +17,7 @@ from active_perceiver.errors import UserError
 from active_perceiver.evaluation.evaluate import format_measures
 from active_perceiver.figures.filmstrip import filmstrip
 from active_perceiver.live import search
-from active_perceiver.reports.demo_report import Found, write_report
+from active_perceiver.reports.demo_report import DemoSearch, write_report
 from active_perceiver.reports.search_report import verdict, write_search
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import Scene, open_scene
@@ -96,7 +96,7 @@ def _pooled_figures(settings: TrainConfig, out: Path) -> dict[str, Any]:
     return figures
 
 
-def _search_for(agent: ActivePerceiver, scene: Scene, name: str, out: Path, seed: int) -> Found:
+def _search_for(agent: ActivePerceiver, scene: Scene, name: str, out: Path, seed: int) -> DemoSearch:
     """One search, from far away, with a picture that training has not seen."""
     task = SearchTask.from_scene(scene, [name])
     target = scene.targets[scene.target_index(name)]
@@ -109,4 +109,4 @@ def _search_for(agent: ActivePerceiver, scene: Scene, name: str, out: Path, seed
     strip = filmstrip(record, scene, name)
     with replacing(out / name / "filmstrip.png") as temporary:
         Image.fromarray(strip).save(temporary)
-    return Found.of(record, scene, task, start, robot.state, out / name)
+    return DemoSearch.of(record, scene, task, start, robot.state, out / name)

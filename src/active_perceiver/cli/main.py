@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 from rich.markup import escape
@@ -27,6 +27,9 @@ from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.reproduction.config import Experiment, ReproduceConfig
 from active_perceiver.training.config import TrainConfig
 from active_perceiver.utils.progress import console
+
+if TYPE_CHECKING:
+    from active_perceiver.live.recording import Recording
 
 
 @dataclass
@@ -132,7 +135,7 @@ class Search:
     def run(self) -> int:
         from active_perceiver.live.recorder import check_folder
         from active_perceiver.live.session import search_command
-        from active_perceiver.reports.search_report import check_report, verdict, write_report
+        from active_perceiver.reports.search_report import check_report, verdict
 
         if self.record is not None:
             check_folder(self.record, self.force)
@@ -150,7 +153,7 @@ class Search:
                 f"recorded in {self.record}; `active-perceiver report {self.record}` makes a video and a page of it"
             )
         if self.out is not None:
-            write_report(recording, self.out)
+            _write_report(recording, self.out)
         return 0 if recording.record.found or self.dry_run else 1
 
 
@@ -166,10 +169,24 @@ class Report:
     """Replace a report that is there."""
 
     def run(self) -> int:
-        from active_perceiver.reports.search_report import report_command
+        from active_perceiver.live.recording import read_recording
+        from active_perceiver.reports.search_report import check_report, verdict
 
-        report_command(self.recording, self.out, force=self.force)
+        out = self.out or self.recording
+        check_report(out, self.force)
+        recording = read_recording(self.recording)
+        print(verdict(recording.record))
+        _write_report(recording, out)
         return 0
+
+
+def _write_report(recording: Recording, out: Path) -> None:
+    from active_perceiver.reports.search_report import write_report
+    from active_perceiver.utils.progress import progress_bar
+
+    with progress_bar("video") as report:
+        written = write_report(recording, out, report)
+    print(f"written into {out}: {', '.join(written)}")
 
 
 @dataclass
