@@ -9,7 +9,7 @@ READY := $(VENV)/.ready
 
 help:
 	@echo "make demo   train on the bundled kitchen and search it; ends with where to look (about 5 minutes)"
-	@echo "make test   the tests (about 8 minutes)"
+	@echo "make test   the tests, those of indoor_rooms too (about 8 minutes)"
 	@echo "make lint   ruff, mypy, and which folder may import which"
 	@echo "make docs   the generated blocks of README and docs, from benchmarks/ and the commands' help"
 	@echo "make clean  remove .venv, demo/ and caches"
