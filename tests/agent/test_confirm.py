@@ -25,6 +25,7 @@ def test_found_needs_the_last_other_view_to_be_nearly_enough(agent_folder, scene
     picture = scene.targets[target].picture(0)
     for agent in (plain, careful):
         agent.reset(picture, seed=0)
+    goal = plain.search(picture).goal
     largest = np.argsort(-scene.areas[:, target])[:8]
     far = np.flatnonzero(scene.areas[:, target] == 0)[:2]
     rng = np.random.default_rng(target)
@@ -36,7 +37,7 @@ def test_found_needs_the_last_other_view_to_be_nearly_enough(agent_folder, scene
             before = previous[1]
         words.append(careful.act(scene.view(state)).found)
         assert words[-1] == (found and before)
-        goal_observation = plain.goal_detector.observe(plain.backbone.maps([scene.view(state)]))
+        goal_observation = goal.observe(plain.backbone.maps([scene.view(state)]))
         previous = (state, goal_observation.nearly)
         assert goal_observation.nearly or not goal_observation.found
     assert not words[0]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -55,24 +57,20 @@ def test_it_gets_out_and_finds_what_it_can_see(agent_folder, scene):
     assert np.mean(found[True]) > np.mean(found[False]) + 0.3
 
 
-def test_the_tables_take_the_same_way(agent_folder, scene, monkeypatch):
-    agent = turning(agent_folder, explore=True)
+@pytest.mark.parametrize("confirm", [False, True])
+@pytest.mark.parametrize("explore", [False, True])
+def test_the_tables_take_the_same_way(agent_folder, scene, monkeypatch, confirm, explore):
+    """All that evaluation computes for an agent, against that agent; `test_one_controller` has more starts."""
+    monkeypatch.setattr(stop_evaluation, "LIMIT", 60)
+    agent = ActivePerceiver.from_pretrained(agent_folder, confirm=confirm, explore=explore)
     (seen,) = [with_query_pictures(agent, one) for one in agent_detections(agent)]
-    turns = Turning().probabilities(None, None, np.zeros((len(scene), 3, 1)), "")
-    monkeypatch.setattr(stop_tables, "policy_table", lambda *arguments: turns)
-    tables = stop_tables.scene_tables(agent, seen, [0], EvaluateConfig())
+    tables = stop_tables.scene_tables(agent, seen, [0], EvaluateConfig(confirm=confirm, explore=explore))
     same = []
-    for target in range(3):
-        for start in STARTS:
-            record = search(
-                agent,
-                RecordedRobot(scene, start),
-                scene.targets[target].picture(0),
-                max_steps=stop_evaluation.LIMIT,
-                seed=0,
-            )
-            end = stop_evaluation.search_once(tables[target], start, 0, np.random.default_rng(0))
-            same.append((states_of(record, scene)[-1], record.actions, record.found) == end)
+    for target, start in itertools.product(range(3), STARTS):
+        picture = scene.targets[target].picture(0)
+        record = search(agent, RecordedRobot(scene, start), picture, max_steps=stop_evaluation.LIMIT, seed=0)
+        ours = stop_evaluation.search_once(tables[target], start, 0, seed=0)
+        same.append((states_of(record, scene), record.found) == (list(ours.states), ours.found))
     # Maps that were cached as float16 may tip a detection at the threshold.
     assert np.mean(same) > 0.8
 

@@ -14,8 +14,8 @@ import pytest
 from PIL import Image
 
 from active_perceiver.agent.config import AgentConfig, AgentError
-from active_perceiver.agent.loop_escape import ALIKE
 from active_perceiver.agent.perceiver import ActivePerceiver
+from active_perceiver.agent.visit_memory import ALIKE
 from active_perceiver.cli.main import main
 from active_perceiver.deploy.export import export_agent
 from active_perceiver.errors import UserError

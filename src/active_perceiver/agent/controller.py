@@ -1,13 +1,20 @@
-"""The course of one search: the policy leads, unless it leads in circles or what is seen has to be made sure of."""
+"""What a search does next: the one place where it is decided, for a live robot and for the tables of evaluation.
+
+The policy leads, unless it leads in circles or what is seen has to be made sure of.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.agent.exploration import Explorer
+from active_perceiver.agent.found_criterion import says_found
 from active_perceiver.agent.loop_escape import escape_loop
-from active_perceiver.goals.goal import GoalObservation
+from active_perceiver.agent.search_policy import Observation, SearchPolicy
+from active_perceiver.agent.visit_memory import VisitMemory
 
 REVISIT_LIMIT = 4
 """An agent that has looked at the present view so often before is lost: the policy does not lead on."""
@@ -16,70 +23,106 @@ EXPLORATION_BUDGET = 8
 twice as many the second time, and so on: it may have been caught by a chair leg, and the target is where it was."""
 
 
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """What follows from a look.
+
+    Attributes:
+        action: index of the action to do next; meaningless once found.
+        probabilities: (A,) float64, from which it was drawn.
+        found: whether the agent says that it is in front of what it looks for.
+    """
+
+    action: int
+    probabilities: NDArray[np.float64]
+    found: bool
+
+
 class SearchController:
-    """What an agent remembers of a search, and what follows from it.
+    """Decides for one search, look by look, and remembers of it what decisions need.
 
     Args:
+        policy: leads to the target.
         confirm: whether found needs that the last other view nearly showed the target as well.
         explorer: where to go when the search is lost; None to follow the policy all the same.
+        seed: the draws of actions follow from it.
 
     Attributes:
         exploring: whether the search is lost, and the room explored instead of following the policy.
     """
 
-    def __init__(self, confirm: bool = False, explorer: Explorer | None = None) -> None:
+    def __init__(
+        self,
+        policy: SearchPolicy,
+        *,
+        confirm: bool = False,
+        explorer: Explorer | None = None,
+        seed: int | np.random.Generator | None = None,
+    ) -> None:
         self.exploring = False
+        self._policy = policy
         self._confirm = confirm
         self._explorer = explorer
+        self._rng = np.random.default_rng(seed)
+        self._visits = VisitMemory()
         self._nearly = self._nearly_before = False
         self._budget, self._left = EXPLORATION_BUDGET, 0
+        self._action = -1
+        self._blocked: set[int] = set()
 
-    def step(
-        self,
-        goal_observation: GoalObservation,
-        probabilities: NDArray[np.floating],
-        earlier: int,
-        view_changed: bool,
-        likeness: NDArray[np.floating] | None,
-        robot_moved: bool | None = None,
-    ) -> tuple[NDArray[np.float64], bool]:
-        """What to make of a view.
+    def step(self, observation: Observation) -> Decision:
+        """Take in a look and decide; the action is then taken for carried out.
 
-        Args:
-            goal_observation: what is seen in it.
-            probabilities: (A,) of actions, the policy's.
-            earlier: how often this search has looked at the same view before.
-            view_changed: whether the last look was at another view.
-            likeness: (S,) how alike the view is to each state of the room that the explorer knows, see
-                `Explorer.update`; None without an explorer.
-            robot_moved: whether the last action moved the robot, if it says so.
-
-        Returns:
-            (A,) probabilities from which to draw the action, which has to be told to `notify_action`; and whether the
-            agent says found.
+        Raises:
+            ValueError: if the controller has an explorer, and the observation no likeness to the room's states.
         """
-        if view_changed:
+        visit = self._visits.visit(observation.view, observation.robot_moved)
+        if visit.view_changed:
             self._nearly_before = self._nearly
-        self._nearly = goal_observation.nearly
-        found = goal_observation.found and (self._nearly_before or not self._confirm)
-        flattened = escape_loop(probabilities, earlier)
-        if self._explorer is None or likeness is None:
-            return flattened, found
-        self._explorer.update(likeness, goal_observation.detection, robot_moved)
-        self.exploring = self._is_exploring(earlier)
-        if not self.exploring:
-            return flattened, found
-        # A policy that led astray may have been led so by what it saw: a search that is lost takes two views to say
-        # found, unless it has been round the room and there is nothing better.
-        if (goal_observation.found and self._nearly_before) or self._explorer.settled():
-            return flattened, True
-        certain = np.zeros(len(probabilities))
-        certain[self._explorer.action()] = 1.0
-        return certain, False
+        self._nearly = observation.goal.nearly
+        self._note_blocked(observation.robot_moved)
+        probabilities = escape_loop(self._unblocked(self._policy(observation)), visit.earlier)
+        settled = False
+        if self._explorer is not None:
+            self._update(self._explorer, observation)
+            self.exploring = self._is_exploring(self._explorer, visit.earlier)
+            settled = self.exploring and self._explorer.settled()
+        found = says_found(
+            observation.goal.found,
+            self._nearly_before,
+            confirm=self._confirm,
+            exploring=self.exploring,
+            settled=settled,
+        )
+        if self._explorer is not None and self.exploring and not found:
+            probabilities = np.zeros(len(probabilities))
+            probabilities[self._explorer.action()] = 1.0
+        self._action = self._draw(probabilities)
+        if self._explorer is not None:
+            self._explorer.notify_action(self._action)
+        return Decision(self._action, probabilities, found)
 
-    def _is_exploring(self, earlier: int) -> bool:
-        assert self._explorer is not None
-        if self._left > 0 or (self.exploring and self._explorer.follows()):
+    def _note_blocked(self, robot_moved: bool | None) -> None:
+        """Remember which actions have been tried here in vain."""
+        if robot_moved is False:
+            self._blocked.add(self._action)
+        elif robot_moved:
+            self._blocked.clear()
+
+    def _unblocked(self, probabilities: NDArray[np.floating]) -> NDArray[np.floating]:
+        """The policy's probabilities without the actions that are blocked here, if that leaves any."""
+        unblocked = probabilities.copy()
+        unblocked[list(self._blocked)] = 0.0
+        total = unblocked.sum()
+        return unblocked / total if total > 0 else probabilities
+
+    def _update(self, explorer: Explorer, observation: Observation) -> None:
+        if observation.view.likeness is None:
+            raise ValueError("an explorer needs to know how alike the view is to those of its room")
+        explorer.update(observation.view.likeness, observation.goal.detection, observation.robot_moved)
+
+    def _is_exploring(self, explorer: Explorer, earlier: int) -> bool:
+        if self._left > 0 or (self.exploring and explorer.follows()):
             self._left -= 1
             return True
         if earlier < REVISIT_LIMIT:
@@ -87,7 +130,7 @@ class SearchController:
         self._left, self._budget = self._budget - 1, 2 * self._budget
         return True
 
-    def notify_action(self, action: int) -> None:
-        """Note the action that is carried out next, by its index."""
-        if self._explorer is not None:
-            self._explorer.notify_action(action)
+    def _draw(self, probabilities: NDArray[np.float64]) -> int:
+        """As `Generator.choice` does, without its checks, which take longer than the rest of a step in tables."""
+        limits = probabilities.cumsum()
+        return int((limits / limits[-1]).searchsorted(self._rng.random(), side="right"))

@@ -1,54 +1,37 @@
-"""ActivePerceiver: backbone, seeker and policy together, the thing that runs on a robot. Never imports torch."""
+"""ActivePerceiver: backbone, goal detector and policy together: what runs on a robot. Never imports torch."""
 
 from __future__ import annotations
 
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.agent.active_search import ActiveSearch, Step
 from active_perceiver.agent.checksums import check_files
 from active_perceiver.agent.config import AgentConfig, AgentError
 from active_perceiver.agent.controller import SearchController
 from active_perceiver.agent.exploration import Explorer, ViewMap, map_file
 from active_perceiver.agent.found_criterion import FoundCriterion
-from active_perceiver.agent.loop_escape import is_alike
+from active_perceiver.agent.search_policy import TargetPolicy
 from active_perceiver.agent.target_matching import TargetGallery
 from active_perceiver.goals import GOAL_DETECTORS
 from active_perceiver.goals.goal import GoalDetector
 from active_perceiver.goals.object_goal import ObjectDetector
 from active_perceiver.policies.policy import Policy
-from active_perceiver.recognition.recogniser import Detection, Recogniser
-from active_perceiver.scenes import Action, decode_image, read_image
+from active_perceiver.recognition.recogniser import Recogniser
+from active_perceiver.scenes import Action, read_image
 from active_perceiver.utils.files import OutputExistsError, replacing_folder
-from active_perceiver.utils.linalg import unit_vectors
-from active_perceiver.vision.backbone import Backbone, load_backbone, pooled
-from active_perceiver.vision.location import location_mask
+from active_perceiver.vision.backbone import Backbone, load_backbone
 
-
-@dataclass(frozen=True)
-class Step:
-    """What the agent makes of one image.
-
-    Attributes:
-        action: what to do next; meaningless once found.
-        detection: where it sees the target, or None if it does not.
-        probabilities: (A,) float64, from which the action was drawn, in the order of `ActivePerceiver.actions`: the
-            policy's, flattened where the search has been before (see `escape_loop`), or 1 for one action if the
-            search is lost and the room explored (see `Explorer`).
-        found: its own word that it is in front of the target.
-    """
-
-    action: Action
-    detection: Detection | None
-    probabilities: NDArray[np.float64]
-    found: bool
+__all__ = ["ActivePerceiver", "Step"]
 
 
 class ActivePerceiver:
     """Searches for what a picture shows: `reset` with the picture, then `act` on one image after the other.
+
+    What it remembers of a search is in an `ActiveSearch`; `search` begins one that is nobody's but the caller's.
 
     Attributes:
         folder: where the agent is kept.
@@ -81,8 +64,8 @@ class ActivePerceiver:
         self.goal_detector: GoalDetector = GOAL_DETECTORS[config.task](folder, config, backbone, threads)
         # It runs on one thread whatever is allowed: one observation is too little work to share.
         self.policy = Policy(folder / "policy.onnx")
-        self._branch = ""
         self._rooms: dict[str, ViewMap] = {}
+        self._search: ActiveSearch | None = None
 
     @classmethod
     def from_pretrained(
@@ -134,8 +117,7 @@ class ActivePerceiver:
         Raises:
             AgentError: before the first `reset`.
         """
-        self._check_reset()
-        return self.config.actions(self._branch)
+        return self._current.actions
 
     @property
     def recogniser(self) -> Recogniser:
@@ -160,9 +142,12 @@ class ActivePerceiver:
         """When it says found in the current search for an object.
 
         Raises:
-            AgentError: if it searches for views.
+            AgentError: if it searches for views, or before the first `reset`.
         """
-        return self._object_detector.criterion
+        criterion = self._current.goal.criterion
+        if criterion is None:
+            raise AgentError(f"{self.folder} searches for views of its scenes: no box says that one is found")
+        return criterion
 
     @property
     def _object_detector(self) -> ObjectDetector:
@@ -170,10 +155,24 @@ class ActivePerceiver:
             raise AgentError(f"{self.folder} searches for views of its scenes: it has no recogniser of objects")
         return self.goal_detector
 
+    def search(
+        self, picture: NDArray[np.uint8] | Path | str, scene: str | None = None, seed: int | None = None
+    ) -> ActiveSearch:
+        """Begin a search, and leave the current one as it is; see `reset`."""
+        branch = self._branch(scene)
+        image = picture if isinstance(picture, np.ndarray) else read_image(picture)
+        goal = self.goal_detector.begin(self.backbone.maps([image]), branch)
+        room, explorer = self.room(branch), None
+        if room is not None and goal.criterion is not None:
+            explorer = Explorer(room, goal.criterion.area, self.config.score_threshold)
+        policy = TargetPolicy(self.policy, goal.target, branch)
+        controller = SearchController(policy, confirm=self.confirm, explorer=explorer, seed=seed)
+        return ActiveSearch(self.backbone, goal, controller, self.config.actions(branch), room)
+
     def reset(
         self, picture: NDArray[np.uint8] | Path | str, scene: str | None = None, seed: int | None = None
     ) -> None:
-        """Begin a search.
+        """Begin a search, which is then the current one.
 
         Args:
             picture: the object on its own, or the view if it searches for views: (H, W, 3) uint8 RGB of any size,
@@ -185,37 +184,7 @@ class ActivePerceiver:
             AgentError: if the branch is unknown, or not given where there are several.
             ImageError: if the picture is a file that cannot be read.
         """
-        trained = ", ".join(self.config.branches)
-        if scene is None and len(self.config.branches) > 1:
-            raise AgentError(f"this agent knows several scenes ({trained}); say which one it is in")
-        branch = scene or next(iter(self.config.branches))
-        if branch not in self.config.branches:
-            raise AgentError(f"this agent was not trained in '{branch}'; it knows {trained}")
-        image = picture if isinstance(picture, np.ndarray) else read_image(picture)
-        self._target = self.goal_detector.begin(self.backbone.maps([image]), branch)
-        self._branch = branch
-        self._random = np.random.default_rng(seed)
-        self._looks: list[tuple[NDArray[np.float32], int]] = []
-        self._last = -1
-        self._blocked: set[int] = set()
-        self._room = self.room(branch)
-        explorer = None
-        if self._room is not None:
-            explorer = Explorer(self._room, self.criterion.area, self.config.score_threshold)
-        self._controller = SearchController(self.confirm, explorer)
-
-    def room(self, branch: str) -> ViewMap | None:
-        """What it remembers of a scene; None if it remembers nothing, or is not to explore.
-
-        Raises:
-            AgentError: if what it remembers is damaged.
-        """
-        path = map_file(self.folder, branch)
-        if not self.explore or not path.is_file():
-            return None
-        if branch not in self._rooms:
-            self._rooms[branch] = ViewMap.load(path)
-        return self._rooms[branch]
+        self._search = self.search(picture, scene, seed)
 
     def act(self, image: NDArray[np.uint8] | bytes, robot_moved: bool | None = None) -> Step:
         """Look at one image and decide.
@@ -230,57 +199,32 @@ class ActivePerceiver:
             AgentError: before the first `reset`.
             ImageError: if an encoded image cannot be read.
         """
-        self._check_reset()
-        if isinstance(image, bytes):
-            image = decode_image(image, "the robot's image", self.backbone.image_size)
-        maps = self.backbone.maps([image])
-        goal_observation = self.goal_detector.observe(maps)
-        mask = location_mask(
-            np.full(4, np.nan) if goal_observation.detection is None else goal_observation.detection.box
-        )
-        view = pooled(maps)
-        probabilities = self.policy.probabilities(view, self._target, mask[None], self._branch)[0]
-        descriptor = unit_vectors(view[0])
-        likeness = None if self._room is None else self._room.descriptors @ descriptor
-        probabilities = self._possible(probabilities, robot_moved)
-        alike = self._seen_before(descriptor, -1 if likeness is None else int(likeness.argmax()))
-        if alike and robot_moved is not None:
-            alike[-1] = not robot_moved
-        probabilities, found = self._controller.step(
-            goal_observation,
-            probabilities,
-            earlier=sum(alike),
-            view_changed=bool(alike) and not alike[-1],
-            likeness=likeness,
-            robot_moved=robot_moved,
-        )
-        draw = int(self._random.choice(len(probabilities), p=probabilities))
-        self._controller.notify_action(draw)
-        self._last = draw
-        return Step(
-            action=self.actions[draw], detection=goal_observation.detection, probabilities=probabilities, found=found
-        )
+        return self._current.act(image, robot_moved)
 
-    def _possible(self, probabilities: NDArray[np.floating], robot_moved: bool | None) -> NDArray[np.floating]:
-        """The policy's probabilities without the actions that have been tried here, and are blocked."""
-        if robot_moved is False:
-            self._blocked.add(self._last)
-        elif robot_moved:
-            self._blocked.clear()
-        left = probabilities.copy()
-        left[list(self._blocked)] = 0.0
-        return left / left.sum() if left.sum() > 0 else probabilities
+    def room(self, branch: str) -> ViewMap | None:
+        """What it remembers of a scene; None if it remembers nothing, or is not to explore.
 
-    def _seen_before(self, descriptor: NDArray[np.float32], state: int) -> list[bool]:
-        """Which of the earlier looks of this search were at the same view, and note this one.
-
-        A robot that is a little off the lattice never sees quite the same again; an agent that remembers the room
-        (`state` is what the view is most like there) takes what is most like one state for one view.
+        Raises:
+            AgentError: if what it remembers is damaged.
         """
-        alike = [is_alike(earlier, descriptor) or 0 <= state == place for earlier, place in self._looks]
-        self._looks.append((descriptor, state))
-        return alike
+        path = map_file(self.folder, branch)
+        if not self.explore or not path.is_file():
+            return None
+        if branch not in self._rooms:
+            self._rooms[branch] = ViewMap.load(path)
+        return self._rooms[branch]
 
-    def _check_reset(self) -> None:
-        if not self._branch:
+    def _branch(self, scene: str | None) -> str:
+        trained = ", ".join(self.config.branches)
+        if scene is None and len(self.config.branches) > 1:
+            raise AgentError(f"this agent knows several scenes ({trained}); say which one it is in")
+        branch = scene or next(iter(self.config.branches))
+        if branch not in self.config.branches:
+            raise AgentError(f"this agent was not trained in '{branch}'; it knows {trained}")
+        return branch
+
+    @property
+    def _current(self) -> ActiveSearch:
+        if self._search is None:
             raise AgentError("call reset(picture) first: the agent does not know what to search for")
+        return self._search

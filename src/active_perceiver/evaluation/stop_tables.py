@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.agent.controller import SearchController
 from active_perceiver.agent.exploration import Explorer, ViewMap
 from active_perceiver.agent.found_criterion import FoundCriterion
 from active_perceiver.agent.perceiver import ActivePerceiver
+from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.evaluation import stop_evaluation
 from active_perceiver.evaluation.config import EvaluateConfig
@@ -21,7 +21,6 @@ from active_perceiver.evaluation.detections import DetectionTable
 from active_perceiver.goals.goal import GoalObservation
 from active_perceiver.goals.object_goal import observe_goal
 from active_perceiver.policies.policy import policy_table
-from active_perceiver.utils.linalg import unit_vectors
 
 # In which scenes, and with which of the pictures there, an agent is asked to search.
 Asked = Sequence[tuple[DetectionTable, list[int]]]
@@ -56,12 +55,11 @@ def scene_tables(
     probabilities = np.stack(
         [policy_table(agent.policy, observations, seen.scene.name, k) for k in range(len(pictures))], axis=2
     )
-    alike = stop_evaluation.alike_views(seen.view_features)
     room = agent.room(seen.scene.name) if settings.explore else None
-    likeness = None if room is None else unit_vectors(seen.view_features) @ room.descriptors.T
+    views = ViewFeatures.of_scene(seen.view_features, room)
     tables = []
     for index, name in enumerate(seen.names):
-        # As `ActivePerceiver.reset` does: the picture alone tells what is enough.
+        # As `ActivePerceiver.search` does: the picture alone tells what is enough.
         embeddings = seen.target_embeddings[index][pictures]
         criteria = [
             agent.gallery.criterion(agent.gallery.match(embedding, seen.scene.name)) for embedding in embeddings
@@ -72,13 +70,13 @@ def scene_tables(
                 scene=seen.scene.name,
                 target=name,
                 probabilities=probabilities[:, index],
-                goal_observations=partial(_goal_observation, scores, boxes, threshold, criteria),
+                goal_observations=cache(partial(_goal_observation, scores, boxes, threshold, criteria)),
+                views=views,
                 right=stop_evaluation.is_on_object(boxes, seen.scene.boxes[:, seen.targets[index]]),
                 transitions=task.transitions,
                 steps=task.steps[:, index],
-                alike=alike,
-                controller=partial(_controller, settings.confirm, room, threshold, criteria),
-                likeness=likeness,
+                confirm=settings.confirm,
+                explorer=None if room is None else partial(_explorer, room, threshold, criteria),
             )
         )
     return tables
@@ -95,7 +93,5 @@ def _goal_observation(
     return observe_goal(float(scores[state, picture]), boxes[state, picture], threshold, criteria[picture])
 
 
-def _controller(
-    confirm: bool, room: ViewMap | None, threshold: float, criteria: Sequence[FoundCriterion], picture: int
-) -> SearchController:
-    return SearchController(confirm, None if room is None else Explorer(room, criteria[picture].area, threshold))
+def _explorer(room: ViewMap, threshold: float, criteria: Sequence[FoundCriterion], picture: int) -> Explorer:
+    return Explorer(room, criteria[picture].area, threshold)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from active_perceiver.agent.config import picture_folder
 from active_perceiver.agent.perceiver import ActivePerceiver
+from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.envs.view_task import viewed_state
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation import stop_evaluation
@@ -46,7 +47,7 @@ def measure_view_agent(
     rng = np.random.default_rng(settings.seed)
     results = []
     for one, table in zip(searches, tables, strict=True):
-        task, alike = one.task, stop_evaluation.alike_views(one.view_features)
+        task, views = one.task, ViewFeatures.of_scene(one.view_features)
         found = one.similarity >= agent.config.found_similarity
         for index, name in enumerate(task.targets):
             column = slice(index, index + 1)  # a view is the one picture of itself
@@ -55,10 +56,10 @@ def measure_view_agent(
                 target=name,
                 probabilities=table[:, column],
                 goal_observations=partial(_goal_observation, found[:, index]),
+                views=views,
                 right=task.goals[:, column],
                 transitions=task.transitions,
                 steps=task.steps[:, index],
-                alike=alike,
             )
             results.append(stop_evaluation.search_until_found(searched, settings.searches, rng))
     body["stop_evaluation"] = {

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.agent.loop_escape import ALIKE
+from active_perceiver.agent.visit_memory import ALIKE
 from active_perceiver.envs.observations import Observations
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.envs.view_task import view_observations, view_task

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.agent.config import AgentConfig
+from active_perceiver.agent.found_criterion import FoundCriterion
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.vision.backbone import Backbone
 
@@ -29,6 +30,21 @@ class GoalObservation:
     nearly: bool
 
 
+class SearchGoal(Protocol):
+    """What one search looks for."""
+
+    @property
+    def target(self) -> NDArray[np.float32]:
+        """(1, D) float32, what the policy is shown of it."""
+
+    @property
+    def criterion(self) -> FoundCriterion | None:
+        """When its box is enough to say found; None if it has no box."""
+
+    def observe(self, maps: NDArray[np.float32]) -> GoalObservation:
+        """Look at an image with these (1, C, h, w) maps."""
+
+
 class GoalDetector(Protocol):
     """What is different between agents that search for different things.
 
@@ -41,8 +57,5 @@ class GoalDetector(Protocol):
     def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None) -> None:
         """Load what it needs; what runs, runs on so many CPU threads, None for one per core."""
 
-    def begin(self, maps: NDArray[np.float32], branch: str) -> NDArray[np.float32]:
-        """Begin a search in a scene with a picture's (1, C, h, w) maps; (1, D) target features for the policy."""
-
-    def observe(self, maps: NDArray[np.float32]) -> GoalObservation:
-        """Look at an image with these (1, C, h, w) maps."""
+    def begin(self, maps: NDArray[np.float32], branch: str) -> SearchGoal:
+        """Begin a search in a scene for what a picture with these (1, C, h, w) maps shows."""

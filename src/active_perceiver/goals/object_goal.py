@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
@@ -34,6 +35,30 @@ def observe_goal(
     return GoalObservation(seen, found=met, nearly=nearly)
 
 
+@dataclass(frozen=True, eq=False)
+class ObjectGoal:
+    """The object that one search looks for; see `SearchGoal`.
+
+    Attributes:
+        recogniser: draws the boxes.
+        embedding: (1, C) float32, by which it knows the object.
+        target: (1, D) float32, what the policy is shown of it.
+        score_threshold: presence probability from which on it counts as seen.
+        criterion: when the search is told that it is found.
+    """
+
+    recogniser: Recogniser
+    embedding: NDArray[np.float32]
+    target: NDArray[np.float32]
+    score_threshold: float
+    criterion: FoundCriterion
+
+    def observe(self, maps: NDArray[np.float32]) -> GoalObservation:
+        """See `SearchGoal.observe`."""
+        scores, boxes = self.recogniser.detect(maps, self.embedding)
+        return observe_goal(float(scores[0]), boxes[0], self.score_threshold, self.criterion)
+
+
 class ObjectDetector:
     """Looks for the object in a picture: its recogniser draws a box, and a box that is large enough means found.
 
@@ -43,29 +68,22 @@ class ObjectDetector:
     Attributes:
         recogniser: draws the boxes.
         gallery: the targets the agent was trained for.
-        criterion: when it says found in the current search.
     """
 
     files: ClassVar[tuple[str, ...]] = (RECOGNISER_FILE,)
-    criterion: FoundCriterion
 
     def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None) -> None:
         self.recogniser = Recogniser(folder / RECOGNISER_FILE, threads)
         self.gallery = TargetGallery(folder, config, backbone, self.recogniser)
         self._score_threshold = config.score_threshold
 
-    def begin(self, maps: NDArray[np.float32], branch: str) -> NDArray[np.float32]:
+    def begin(self, maps: NDArray[np.float32], branch: str) -> ObjectGoal:
         """See `GoalDetector.begin`."""
-        self._code = self.recogniser.encode_target(maps)
-        match = self.gallery.match(self._code[0], branch)
-        self.criterion = self.gallery.criterion(match)
+        embedding = self.recogniser.encode_target(maps)
+        match = self.gallery.match(embedding[0], branch)
         if match is None:
-            return pooled_middle(maps)
-        known = self.gallery.pictures(match.target)
-        self._code = known.embeddings[[match.picture]]
-        return known.features[[match.picture]]
-
-    def observe(self, maps: NDArray[np.float32]) -> GoalObservation:
-        """See `GoalDetector.observe`."""
-        scores, boxes = self.recogniser.detect(maps, self._code)
-        return observe_goal(float(scores[0]), boxes[0], self._score_threshold, self.criterion)
+            target = pooled_middle(maps)
+        else:
+            known = self.gallery.pictures(match.target)
+            embedding, target = known.embeddings[[match.picture]], known.features[[match.picture]]
+        return ObjectGoal(self.recogniser, embedding, target, self._score_threshold, self.gallery.criterion(match))

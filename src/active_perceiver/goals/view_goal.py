@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
@@ -14,6 +15,26 @@ from active_perceiver.utils.linalg import unit_vectors
 from active_perceiver.vision.backbone import Backbone, pooled
 
 
+@dataclass(frozen=True, eq=False)
+class ViewGoal:
+    """The view that one search looks for; see `SearchGoal`.
+
+    Attributes:
+        target: (1, D) float32, its features.
+        found_similarity: least cosine similarity of features that means found.
+        criterion: none, for nothing is ever detected.
+    """
+
+    target: NDArray[np.float32]
+    found_similarity: float
+    criterion: None = None
+
+    def observe(self, maps: NDArray[np.float32]) -> GoalObservation:
+        """See `SearchGoal.observe`."""
+        similarity = float(unit_vectors(pooled(maps)[0]) @ unit_vectors(self.target[0]))
+        return GoalObservation(None, found=similarity >= self.found_similarity, nearly=False)
+
+
 class ViewDetector:
     """Looks for the place from where a picture was taken: a view that is as good as the picture means found."""
 
@@ -22,13 +43,6 @@ class ViewDetector:
     def __init__(self, folder: Path, config: AgentConfig, backbone: Backbone, threads: int | None) -> None:
         self._found_similarity = config.found_similarity
 
-    def begin(self, maps: NDArray[np.float32], branch: str) -> NDArray[np.float32]:
+    def begin(self, maps: NDArray[np.float32], branch: str) -> ViewGoal:
         """See `GoalDetector.begin`."""
-        target = pooled(maps)  # as views are, for the picture is one
-        self._target = unit_vectors(target[0])
-        return target
-
-    def observe(self, maps: NDArray[np.float32]) -> GoalObservation:
-        """See `GoalDetector.observe`; nothing is ever detected."""
-        similarity = float(unit_vectors(pooled(maps)[0]) @ self._target)
-        return GoalObservation(None, found=similarity >= self._found_similarity, nearly=False)
+        return ViewGoal(pooled(maps), self._found_similarity)  # pooled as views are, for the picture is one

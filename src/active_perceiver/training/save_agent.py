@@ -9,9 +9,9 @@ import numpy as np
 
 from active_perceiver.agent.config import AgentConfig, KnownTarget, picture_folder
 from active_perceiver.agent.exploration import ViewMap, map_file
+from active_perceiver.agent.found_criterion import stop_area_threshold
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.envs.task import SearchTask
-from active_perceiver.evaluation import stop_evaluation
 from active_perceiver.evaluation.detections import DetectionTable
 from active_perceiver.evaluation.view_selection import ViewSearches
 from active_perceiver.recognition.recogniser import Recogniser
@@ -48,7 +48,7 @@ def agent_config(
         for index, name in enumerate(seen.names):
             scores, boxes = (array[:, index, : seen.trained] for array in (seen.scores, seen.boxes))
             goals, areas = task.goals[:, index], task.areas[:, index]
-            threshold = stop_evaluation.stop_area_threshold(scores, boxes, areas, goals, recogniser.threshold)
+            threshold = stop_area_threshold(scores, boxes, areas, goals, recogniser.threshold)
             known.append(KnownTarget(seen.scene.name, name, threshold))
     return AgentConfig(
         backbone=backbone.name,

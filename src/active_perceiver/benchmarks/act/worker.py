@@ -40,7 +40,8 @@ def run_agent(
         "import", which includes starting the interpreter, "load", "reset" and "first action"; "peak_memory_gib";
         "torch": whether anything imported it.
     """
-    from active_perceiver.agent import perceiver
+    from active_perceiver.agent import active_search, perceiver
+    from active_perceiver.goals import ObjectGoal
     from active_perceiver.scenes import read_image
 
     agent_seconds: dict[str, float] = {}
@@ -61,9 +62,9 @@ def run_agent(
         "first action": acted - begun,
     }
     parts: tuple[tuple[str, Any, str], ...] = (
-        ("decoding", perceiver, "decode_image"),
+        ("decoding", active_search, "decode_image"),
         ("backbone", agent.backbone, "maps"),
-        ("recogniser", agent.goal_detector, "observe"),
+        ("recogniser", ObjectGoal, "observe"),
         ("policy", agent.policy, "probabilities"),
     )
     for part, owner, method in parts:
