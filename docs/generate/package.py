@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from active_perceiver.benchmarks.act.report import format_act_speed
-from active_perceiver.benchmarks.env.measure import format_env_speed
+from active_perceiver.benchmarks.env.report import format_env_speed
 from active_perceiver.benchmarks.exported.report import format_exported
 from active_perceiver.benchmarks.policies.report import format_policies
 from active_perceiver.benchmarks.recogniser.report import format_recogniser_ablation

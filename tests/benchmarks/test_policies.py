@@ -17,18 +17,23 @@ from PIL import Image
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import PolicyBenchmarkConfig
 from active_perceiver.benchmarks.policies import measure as policies
+from active_perceiver.benchmarks.policies.measure import PoliciesBenchmark
 from active_perceiver.benchmarks.policies.report import format_policies, spread_rows, summary
-from active_perceiver.benchmarks.policies.worker import train_and_measure
+from active_perceiver.benchmarks.policies.worker import PolicyTraining, train_and_measure
+from active_perceiver.benchmarks.runner import OutputFiles, run_benchmark
 from active_perceiver.cli.main import main
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.evaluate import agent_detections
+from active_perceiver.parallel.executor import SerialExecutor
 from active_perceiver.policies.config import DistilConfig
 from active_perceiver.policies.evaluation import exact_evaluation
 from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.training_task import TrainingTask
 from active_perceiver.scenes import Scene, save_scene
 from active_perceiver.training.policy_augmentation import changed_observations
+from active_perceiver.utils.files import OutputExistsError
+from helpers.interrupted import InterruptedExecutor
 from helpers.toy import toy_scene
 
 pytestmark = pytest.mark.xdist_group("agent")
@@ -36,14 +41,10 @@ pytestmark = pytest.mark.xdist_group("agent")
 ABOUT = {"setup": "kitchen", "ratio_limit": 1.02, "seconds_limit": 15.0}
 
 
-def in_this_process(threads: int, setup: policies.PolicySetup, *arguments: Any) -> dict[str, Any]:
+def train_here(setup: policies.PolicySetup, learner: str, config: Any, limit: int) -> dict[str, Any]:
     """What a fresh process gives, without its two seconds."""
-    return train_and_measure(setup.training_tasks, setup.unseen, *arguments)
-
-
-@pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(policies, "_in_fresh_process", in_this_process)
+    training = PolicyTraining(setup.name, setup.training_tasks, setup.unseen, learner, config)
+    return train_and_measure(limit, training)
 
 
 def run(seed: int, **changes: Any) -> dict[str, Any]:
@@ -101,7 +102,7 @@ def test_the_problem_is_the_one_that_training_has_and_the_figures_are_plain_ones
     # The scene's own boxes are larger or elsewhere: what the policy is shown is not the truth.
     assert not np.array_equal(training_task.observations.masks.any(axis=-1)[:, :, 0], task.areas > 0)
     config = DistilConfig(iterations=4, seed=3)
-    measured = train_and_measure(setup.training_tasks, setup.unseen, "distil", config, 500)
+    measured = train_here(setup, "distil", config, 500)
 
     from active_perceiver.policies.network import task_table
 
@@ -125,34 +126,26 @@ def test_a_policy_of_several_scenes_has_other_limits(agent_folder: Path) -> None
     assert about["targets"] == [f"{scene}/ball{k}" for scene in ("toy_0", "toy_1") for k in range(3)]
     assert (about["ratio_limit"], about["seconds_limit"]) == policies.MANY_SCENES
     assert (one.described()["ratio_limit"], one.described()["seconds_limit"]) == policies.ONE_SCENE
-    measured = train_and_measure(both.training_tasks, both.unseen, "distil", DistilConfig(iterations=1), 200)
+    measured = train_here(both, "distil", DistilConfig(iterations=1), 200)
     assert [result["scene"] for result in measured["per_target"]] == ["toy_0"] * 3 + ["toy_1"] * 3
     assert measured["unseen_pictures"] is None
 
 
-@pytest.mark.usefixtures("here")
-def test_an_interrupted_run_goes_on(
-    agent_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "p.json"
-    arguments = ["benchmark", "policies", str(agent_folder), "--learners", "distil", "--seeds", "2", "--iterations"]
-    trained: list[int] = []
-
-    def stopped(threads: int, setup: policies.PolicySetup, learner: str, config: Any, limit: int) -> dict[str, Any]:
-        trained.append(config.seed)
-        if len(trained) == 2:
-            raise KeyboardInterrupt
-        return in_this_process(threads, setup, learner, config, limit)
-
-    monkeypatch.setattr(policies, "_in_fresh_process", stopped)
-    assert main([*arguments, "2", "--out", str(out)]) == 130
-    assert main([*arguments, "2", "--out", str(out)]) == 2
-    assert "--resume" in capsys.readouterr().err
-    assert main([*arguments, "3", "--out", str(out), "--resume"]) == 2
-    assert not out.exists()
-    assert main([*arguments, "2", "--out", str(out), "--resume"]) == 0
-    assert trained == [0, 1, 1]
-    assert [one["seed"] for one in json.loads(out.read_text())["runs"]] == [0, 1]
+def test_an_interrupted_run_goes_on(agent_folder: Path, tmp_path: Path) -> None:
+    files = OutputFiles(tmp_path / "p.json")
+    resumed = dataclasses.replace(files, resume=True)
+    settings = PolicyBenchmarkConfig(("distil",), 2, iterations=2)
+    first, second = (InterruptedExecutor(SerialExecutor(), at) for at in (2, 0))
+    with pytest.raises(KeyboardInterrupt):
+        run_benchmark(PoliciesBenchmark([agent_folder], settings, first), files)
+    with pytest.raises(OutputExistsError, match="--resume"):
+        run_benchmark(PoliciesBenchmark([agent_folder], settings, second), files)
+    with pytest.raises(UserError, match=r"iterations, learners"):
+        run_benchmark(PoliciesBenchmark([agent_folder], dataclasses.replace(settings, iterations=3), second), resumed)
+    body = run_benchmark(PoliciesBenchmark([agent_folder], settings, second), resumed)
+    assert [[one.config.seed for one in some.done] for some in (first, second)] == [[0], [1]]
+    assert [one["seed"] for one in body["runs"]] == [0, 1]
+    assert json.loads(files.out.read_text())["runs"] == body["runs"]
 
 
 @pytest.mark.parametrize(
@@ -208,7 +201,7 @@ def test_what_never_happens_has_no_figure_and_the_missed_target_is_the_worst() -
 )
 def test_wrong_settings_are_refused(change: dict[str, Any], message: str, agent_folder: Path) -> None:
     with pytest.raises(UserError, match=message):
-        policies.policies_command([agent_folder], PolicyBenchmarkConfig(**change))
+        PoliciesBenchmark([agent_folder], PolicyBenchmarkConfig(**change)).prepare()
 
 
 def test_agents_and_scenes_must_go_together(agent_folder: Path, tmp_path: Path) -> None:
@@ -221,7 +214,7 @@ def test_agents_and_scenes_must_go_together(agent_folder: Path, tmp_path: Path) 
         with pytest.raises(UserError, match=message):
             policies.open_setups(folders, scenes)
     with pytest.raises(UserError, match="--out"):
-        policies.policies_command([agent_folder], PolicyBenchmarkConfig(), resume=True)
+        run_benchmark(PoliciesBenchmark([agent_folder], PolicyBenchmarkConfig()), OutputFiles(resume=True))
 
 
 def test_a_scene_that_was_moved_can_be_named(agent_folder: Path, scene: Scene, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from PIL import Image
 
 from active_perceiver.benchmarks.config import RecogniserBenchmarkConfig
 from active_perceiver.benchmarks.recogniser import measure as recogniser
+from active_perceiver.benchmarks.recogniser.measure import RecogniserBenchmark
 from active_perceiver.benchmarks.recogniser.report import (
     ablation_rows,
     format_recogniser_ablation,
@@ -19,12 +20,17 @@ from active_perceiver.benchmarks.recogniser.report import (
     summary,
 )
 from active_perceiver.benchmarks.recogniser.variants import VARIANTS, chosen_variants
+from active_perceiver.benchmarks.runner import OutputFiles, run_benchmark
 from active_perceiver.cli.main import main
 from active_perceiver.errors import UserError
+from active_perceiver.parallel.executor import SerialExecutor
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.recognition import RecognitionMetrics
 from active_perceiver.recognition.train import CONFIGS, NO_AUGMENTATION, train_recogniser
 from active_perceiver.scenes import Scene
+from active_perceiver.utils.files import OutputExistsError
 from active_perceiver.vision import load_backbone, scene_features
+from helpers.interrupted import InterruptedExecutor
 
 TINY = ["--image-size", "96", "--threads", "1"]
 QUICK = ("as before", "not trained here", "pooled", "pooled, targets held out")
@@ -73,7 +79,7 @@ def test_a_run(scene: Scene, scene_file: Path, tmp_path: Path, capsys: pytest.Ca
     assert [path.name for path in tmp_path.iterdir() if path.suffix == ".part"] == []
 
 
-def test_its_figures_are_those_of_the_recogniser_it_trains(scene: Scene, cache: Path) -> None:
+def test_its_figures_are_those_of_the_recogniser_it_trains(scene: Scene, cache: Path, tmp_path: Path) -> None:
     settings = RecogniserBenchmarkConfig(steps=4, threads=1, image_size=96, variants=("pooled, targets held out",))
     backbone = load_backbone(image_size=96, threads=1)
     features = scene_features(scene, backbone)
@@ -81,6 +87,8 @@ def test_its_figures_are_those_of_the_recogniser_it_trains(scene: Scene, cache: 
         recogniser.Rooms((scene,), (features,), backbone),
         chosen_variants(settings),
         dataclasses.replace(settings, seeds=2),
+        RunStore(tmp_path),
+        SerialExecutor(),
     )
     for seed, one in enumerate(body["runs"]):
         config = dataclasses.replace(CONFIGS["pooled"], steps=4, held_out_targets=("ball0",), seed=seed, threads=1)
@@ -99,29 +107,24 @@ def test_its_figures_are_those_of_the_recogniser_it_trains(scene: Scene, cache: 
     assert drawn.unknown == row["metrics"]["unknown targets"]["ap50"]
 
 
-def test_an_interrupted_run_goes_on(
-    scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "r.json"
-    arguments = command(scene_file, "--variants", "pooled", "as before", "--out", str(out), "--steps")
-    judged, trained = recogniser.judged, []
-
-    def stopped(rooms: Any, number: int, config: Any, *rest: Any) -> Any:
-        trained.append(config.kind)
-        if len(trained) == 2:
-            raise KeyboardInterrupt
-        return judged(rooms, number, config, *rest)
-
-    monkeypatch.setattr(recogniser, "judged", stopped)
-    assert main([*arguments, "2"]) == 130
-    assert main([*arguments, "2"]) == 2
-    assert "--resume" in capsys.readouterr().err
-    assert main([*arguments, "3", "--resume"]) == 2
-    assert not out.exists()
-    assert main([*arguments, "2", "--resume"]) == 0
+def test_an_interrupted_run_goes_on(scene_file: Path, tmp_path: Path) -> None:
+    files = OutputFiles(tmp_path / "r.json")
+    resumed = dataclasses.replace(files, resume=True)
+    settings = RecogniserBenchmarkConfig(
+        (str(scene_file),), ("pooled", "as before"), steps=2, threads=1, image_size=96
+    )
+    first, second = (InterruptedExecutor(SerialExecutor(), at) for at in (2, 0))
+    with pytest.raises(KeyboardInterrupt):
+        run_benchmark(RecogniserBenchmark(settings, first), files)
+    with pytest.raises(OutputExistsError, match="--resume"):
+        run_benchmark(RecogniserBenchmark(settings, second), files)
+    with pytest.raises(UserError, match="steps, configs"):
+        run_benchmark(RecogniserBenchmark(dataclasses.replace(settings, steps=3), second), resumed)
+    assert not files.out.exists()
+    body = run_benchmark(RecogniserBenchmark(settings, second), resumed)
     # In the order of the page, whatever the order they were named in.
-    assert trained == ["matching", "pooled", "pooled"]
-    assert [one["variant"] for one in json.loads(out.read_text())["runs"]] == ["as before", "pooled"]
+    assert [[one.config.kind for one in some.done] for some in (first, second)] == [["matching"], ["pooled"]]
+    assert [one["variant"] for one in body["runs"]] == ["as before", "pooled"]
 
 
 def test_each_variant_differs_from_the_default_in_what_it_says(scene: Scene) -> None:
@@ -212,12 +215,12 @@ def test_means_are_of_all_seeds_and_what_a_seed_lacks_has_none() -> None:
 )
 def test_wrong_settings_are_refused(change: dict[str, Any], message: str) -> None:
     with pytest.raises(UserError, match=message):
-        recogniser.recogniser_command(RecogniserBenchmarkConfig(**change))
+        RecogniserBenchmark(RecogniserBenchmarkConfig(**change)).prepare()
 
 
 def test_resume_needs_a_result_file() -> None:
     with pytest.raises(UserError, match="--out"):
-        recogniser.recogniser_command(RecogniserBenchmarkConfig(), resume=True)
+        run_benchmark(RecogniserBenchmark(RecogniserBenchmarkConfig()), OutputFiles(resume=True))
 
 
 @pytest.mark.parametrize("option", ["--out", "--picture"])

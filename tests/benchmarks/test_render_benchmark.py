@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from active_perceiver.benchmarks.render.measure import STAGES, format_timing, measure_rendering
+from active_perceiver.benchmarks.render.measure import STAGES, measure_rendering
+from active_perceiver.benchmarks.render.report import format_timing
 from active_perceiver.capture.rendered.config import CaptureConfig
 from box_room import box_room
 from indoor_rooms.renderer import compiled

@@ -9,9 +9,12 @@ import pytest
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import RobotBenchmarkConfig
 from active_perceiver.benchmarks.robot import measure as benchmark
+from active_perceiver.benchmarks.robot.measure import RobotBenchmark
 from active_perceiver.benchmarks.robot.report import format_robot
-from active_perceiver.benchmarks.robot.worker import Conditions, _astray, searches, targets_in
+from active_perceiver.benchmarks.robot.worker import Conditions, Lab, _astray, search_once, targets_in
+from active_perceiver.benchmarks.runner import OutputFiles, run_benchmark
 from active_perceiver.errors import UserError
+from active_perceiver.parallel.process_pool import ProcessExecutor
 from active_perceiver.scenes import Action
 from active_perceiver.simulation.diff_drive import OdometryNoise
 from active_perceiver.simulation.simulated_robot import nearest_pose
@@ -84,14 +87,15 @@ def test_the_nearest_pose_is_one_of_the_lattice():
 @pytest.mark.xdist_group("agent")
 def test_an_agent_of_another_room_is_refused(agent_folder: Path):
     with pytest.raises(UserError, match="was not trained in kitchen_1, but in toy_0"):
-        benchmark.robot_command([agent_folder], RobotBenchmarkConfig(room="kitchen_1", starts=1, compared=1))
+        RobotBenchmark([agent_folder], RobotBenchmarkConfig(room="kitchen_1", starts=1, compared=1)).prepare()
 
 
 @pytest.mark.xdist_group("agent")
 def test_what_is_wrong_with_a_room_is_said_by_the_process_that_opens_it(agent_folder: Path):
     nowhere = Conditions(0.0, 0.0, odometry_noise=False, nudge=0.0)
+    lab = Lab(agent_folder, "kitchen_1_hour_never", nowhere, RobotBenchmarkConfig())
     with pytest.raises(LayoutError, match="no hour of the day 'never'"):
-        searches(agent_folder, "kitchen_1_hour_never", nowhere, 1, RobotBenchmarkConfig(workers=1))
+        list(ProcessExecutor(1).map(search_once, [0], lab))
 
 
 @pytest.mark.xdist_group("agent")
@@ -104,8 +108,8 @@ def test_an_agent_has_its_own_targets_in_each_room(agent_folder: Path):
 def test_nothing_is_overwritten_and_nonsense_is_refused(tmp_path: Path):
     (tmp_path / "robot.json").write_text("mine")
     with pytest.raises(OutputExistsError):
-        benchmark.robot_command([tmp_path], RobotBenchmarkConfig(), tmp_path / "robot.json")
+        run_benchmark(RobotBenchmark([tmp_path], RobotBenchmarkConfig()), OutputFiles(tmp_path / "robot.json"))
     with pytest.raises(UserError, match="at least one agent"):
-        benchmark.robot_command([], RobotBenchmarkConfig())
+        RobotBenchmark([], RobotBenchmarkConfig()).prepare()
     with pytest.raises(UserError, match="must be at least 1"):
-        benchmark.robot_command([tmp_path], RobotBenchmarkConfig(starts=0))
+        RobotBenchmark([tmp_path], RobotBenchmarkConfig(starts=0)).prepare()

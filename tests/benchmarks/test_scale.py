@@ -10,6 +10,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from active_perceiver.benchmarks.config import ScaleConfig
+from active_perceiver.benchmarks.runner import OutputFiles, run_benchmark
+from active_perceiver.benchmarks.scale.clock import TrainingClock
+from active_perceiver.benchmarks.scale.measure import ScaleBenchmark
 from active_perceiver.benchmarks.scale.synthetic_scenes import (
     FEATURES,
     PICTURES,
@@ -17,13 +21,15 @@ from active_perceiver.benchmarks.scale.synthetic_scenes import (
     free_cells,
     synthetic_tasks,
 )
-from active_perceiver.benchmarks.scale.worker import PARTS, RATIOS, TrainingClock, data_bytes
+from active_perceiver.benchmarks.scale.worker import PARTS, RATIOS, data_bytes, measure_training
 from active_perceiver.cli.main import main
 from active_perceiver.errors import UserError
+from active_perceiver.parallel.fresh_process import FreshProcessExecutor
 from active_perceiver.policies.learners import LEARNERS
-from active_perceiver.policies.monitor import Monitor
 from active_perceiver.policies.training_task import TrainingTask
 from active_perceiver.scenes import Action
+from active_perceiver.utils.result import to_jsonable
+from helpers.interrupted import InterruptedExecutor
 
 OPPOSITE = {
     Action.MOVE_AHEAD: Action.MOVE_BACK,
@@ -117,11 +123,9 @@ def test_the_clock_changes_nothing_but_when_it_is_measured(learner: str) -> None
     training_tasks = synthetic_tasks(2, 96, 2)
     config = LEARNERS[learner].config(iterations=3, hidden=32, target_ratio=None)
     plain, history = LEARNERS[learner].train(training_tasks, config)
-    before = Monitor.finished
-    clock = TrainingClock(60.0, config.iterations)
+    clock = TrainingClock(training_tasks, config, 60.0)
     with clock.watching():
-        watched, _ = LEARNERS[learner].train(training_tasks, config)
-    assert Monitor.finished is before
+        watched, _ = LEARNERS[learner].train(training_tasks, config, monitor=clock)
     result = clock.result()
     assert result["iterations"] <= 3
     assert result["ended"] == ("iterations" if result["reached"]["1.02"] is None else "quality")
@@ -137,9 +141,10 @@ def test_the_clock_changes_nothing_but_when_it_is_measured(learner: str) -> None
 
 def test_the_clock_ends_a_training_when_time_is_up() -> None:
     training_tasks = synthetic_tasks(1, 96, 2)
-    clock = TrainingClock(1e-6, 50)
+    config = LEARNERS["ppo"].config(iterations=50, hidden=8)
+    clock = TrainingClock(training_tasks, config, 1e-6)
     with clock.watching():
-        LEARNERS["ppo"].train(training_tasks, LEARNERS["ppo"].config(iterations=50, hidden=8))
+        LEARNERS["ppo"].train(training_tasks, config, monitor=clock)
     result = clock.result()
     assert (result["ended"], result["iterations"], result["measurements"]) == ("time", 1, 1)
     assert result["reached"] == {"1.25": None, "1.02": None}
@@ -159,29 +164,24 @@ def check_run(run: dict[str, Any], scenes: int) -> None:
         assert 4 * 4 * run["parameters"] / 2**20 < run["training_mib"] <= run["peak_mib"] < 200
 
 
-def test_it_measures_and_goes_on_where_it_was_interrupted(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from active_perceiver.benchmarks.scale import measure as scale
-
+def test_it_measures_and_goes_on_where_it_was_interrupted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out, picture = tmp_path / "scale.json", tmp_path / "scale.png"
     arguments = ["benchmark", "scale", *TINY, "--scenes", "1", "2", "--out", str(out), "--picture", str(picture)]
-    train, trained = scale._train, []
-
-    def interrupted(settings: Any, cell: Any) -> dict[str, Any]:
-        trained.append(cell)
-        if len(trained) == 2:
-            raise UserError("the lights went out")
-        return train(settings, cell)
-
-    monkeypatch.setattr(scale, "_train", interrupted)
-    assert main(arguments) == 2
+    settings = ScaleConfig((1, 2), (48,), learners=("distil",), targets=2, iterations=2)
+    executor = InterruptedExecutor(FreshProcessExecutor(), 2)
+    with pytest.raises(KeyboardInterrupt):
+        run_benchmark(ScaleBenchmark(settings, executor), OutputFiles(out, picture))
+    assert executor.done == [("distil", 1, 48)]
     assert not out.exists()
+    kept = tmp_path / "scale.json.part" / "distil, 1 x 48.json"
+    before = kept.stat().st_mtime_ns
     assert main(arguments) == 2
     assert "--resume goes on" in capsys.readouterr().err.replace("\n", " ")
+    assert kept.stat().st_mtime_ns == before
+    first = json.loads(kept.read_text())
     assert main([*arguments, "--resume"]) == 0
-    assert trained == [("distil", 1, 48), ("distil", 2, 48), ("distil", 2, 48)]
     result = json.loads(out.read_text())
+    assert result["runs"][0] == to_jsonable(first)
     assert result["command"] == "benchmark scale"
     assert result["protocol"]["states"] == [48]
     assert result["protocol"]["settings"]["distil"]["batch_states"] > 0
@@ -194,12 +194,9 @@ def test_it_measures_and_goes_on_where_it_was_interrupted(
     assert sorted(tmp_path.iterdir()) == [out, picture]
 
 
-def test_a_process_that_fails_says_why() -> None:
-    from active_perceiver.benchmarks.config import ScaleConfig
-    from active_perceiver.benchmarks.scale.measure import _train
-
-    with pytest.raises(UserError, match=r"distil in 0 scenes of 48 states failed: .*at least one scene"):
-        _train(ScaleConfig(), ("distil", 0, 48))
+def test_a_process_that_fails_says_why(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="at least one scene"):
+        list(FreshProcessExecutor().map(measure_training, [("distil", 0, 48)], ScaleConfig()))
 
 
 def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:

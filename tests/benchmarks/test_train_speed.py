@@ -13,8 +13,11 @@ import pytest
 import torch
 from PIL import Image
 
+from active_perceiver.benchmarks.config import TrainSpeedConfig
+from active_perceiver.benchmarks.runner import OutputFiles, run_benchmark
 from active_perceiver.benchmarks.train import measure as train_speed
 from active_perceiver.benchmarks.train.baselines import BASELINES, Sb3Config, Sb3PpoConfig, baseline_named
+from active_perceiver.benchmarks.train.measure import TrainBenchmark
 from active_perceiver.benchmarks.train.report import (
     first_good,
     format_train_speed,
@@ -22,14 +25,16 @@ from active_perceiver.benchmarks.train.report import (
     times_faster,
     trainings_of,
 )
-from active_perceiver.benchmarks.train.worker import measured, train
+from active_perceiver.benchmarks.train.worker import Training, measured, train
 from active_perceiver.cli.main import main
 from active_perceiver.envs import REWARDS, SearchVectorEnv
 from active_perceiver.errors import UserError
-from active_perceiver.parallel.run_store import RunStore
-from active_perceiver.policies.network import picture_tensors, seeded_network
+from active_perceiver.parallel.executor import SerialExecutor
+from active_perceiver.policies.monitor import Monitor
+from active_perceiver.policies.network import PolicyNetwork, picture_tensors, seeded_network
 from active_perceiver.policies.training_task import TrainingTask
 from active_perceiver.utils.files import OutputExistsError
+from helpers.interrupted import InterruptedExecutor
 from helpers.problems import toy_task
 from helpers.small import SIZE
 
@@ -38,6 +43,11 @@ sb3_peers = pytest.importorskip("active_perceiver.benchmarks.train.sb3_baselines
 
 SMALL = {"hidden": 32, "num_envs": 8, "num_steps": 16}
 CONFIGS = [Sb3PpoConfig(**SMALL, batch_size=32), Sb3Config(**SMALL)]
+
+
+def train_sb3(training_task: TrainingTask, config: Sb3Config) -> tuple[PolicyNetwork, list[dict[str, float]]]:
+    monitor = Monitor([training_task], config)
+    return sb3_peers.train_sb3([training_task], config, monitor), monitor.history
 
 
 @pytest.fixture(scope="module")
@@ -137,11 +147,9 @@ def test_the_policy_is_the_network_and_says_what_it_says(training_task: Training
 @pytest.mark.parametrize("config", CONFIGS, ids=["ppo", "a2c"])
 def test_their_training_is_measured_as_ours_and_repeatable(training_task: TrainingTask, config: Sb3Config) -> None:
     config = replace(config, iterations=3, check_every=2)
-    robot_moved: list[dict[str, float]] = []
-    network, history = sb3_peers.train_sb3([training_task], config, robot_moved.append)
-    assert robot_moved == history
+    network, history = train_sb3(training_task, config)
     assert [(record["iteration"], record["samples"]) for record in history] == [(2, 256), (3, 384)]
-    before, again = seeded_network([training_task], config), sb3_peers.train_sb3([training_task], config)[0]
+    before, again = seeded_network([training_task], config), train_sb3(training_task, config)[0]
     changed = [not torch.equal(*pair) for pair in zip(network.parameters(), before.parameters(), strict=True)]
     assert all(changed)
     for first, second in zip(network.parameters(), again.parameters(), strict=True):
@@ -149,15 +157,15 @@ def test_their_training_is_measured_as_ours_and_repeatable(training_task: Traini
 
 
 def test_their_training_stops_when_it_is_good_or_time_is_up(training_task: TrainingTask) -> None:
-    _, history = sb3_peers.train_sb3([training_task], replace(CONFIGS[0], iterations=50, seconds=0.0))
+    _, history = train_sb3(training_task, replace(CONFIGS[0], iterations=50, seconds=0.0))
     assert len(history) == 1
     config = Sb3PpoConfig(hidden=64, num_envs=32, batch_size=256, target_ratio=2.0, check_every=5)
-    _, history = sb3_peers.train_sb3([training_task], config)
+    _, history = train_sb3(training_task, config)
     assert history[-1]["success"] == pytest.approx(1)
     assert history[-1]["ratio"] <= 2
     assert history[-1]["iteration"] < config.iterations
     with pytest.raises(UserError, match="in one scene, got 2"):
-        sb3_peers.train_sb3([training_task, toy_task(1)], config)
+        sb3_peers.train_sb3([training_task, toy_task(1)], config, Monitor([training_task], config))
 
 
 def point(seconds: float, steps: int, success: float, ratio: float | None) -> dict[str, Any]:
@@ -193,15 +201,16 @@ def test_a_record_becomes_a_point_without_the_time_of_measuring() -> None:
 
 
 def test_the_process_trains_by_its_baseline_with_the_given_seed(training_task: TrainingTask) -> None:
-    points: list[dict[str, Any]] = []
-    train(training_task, "distil", 0, 1, 0.0, points.append)
-    assert len(points) == 1
-    assert points[0]["seconds"] > 0
-    assert points[0]["steps"] == 0
+    run = train(training_task, Training("distil", 0, 1, 0.0))
+    assert (run["learner"], run["seed"], len(run["points"])) == ("distil", 0, 1)
+    assert run["points"][0]["seconds"] > 0
+    assert run["points"][0]["steps"] == 0
 
 
-def fake_points(request: dict[str, Any]) -> list[dict[str, Any]]:
-    return {"distil": GOOD, "sb3-ppo": [point(100 + request["seed"], 10**6, 1, 1.2)]}.get(request["name"], SLOW)
+def fake_run(training_task: TrainingTask, training: Training) -> dict[str, Any]:
+    theirs = [point(100 + training.seed, 10**6, 1, 1.2)]
+    points = {"distil": GOOD, "sb3-ppo": theirs}.get(training.name, SLOW)
+    return {"learner": training.name, "seed": training.seed, "points": points}
 
 
 def arguments_for(scene_file: Path, *more: str) -> list[str]:
@@ -209,48 +218,26 @@ def arguments_for(scene_file: Path, *more: str) -> list[str]:
     return [*names, "--image-size", str(SIZE), "--threads", "1", *more]
 
 
-def test_the_command_goes_on_where_it_was_interrupted(
+def test_it_goes_on_where_it_was_interrupted(
     scene_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked: list[tuple[str, int]] = []
-
-    def interrupted(request: dict[str, Any]) -> list[dict[str, Any]]:
-        asked.append((request["name"], request["seed"]))
-        if len(asked) == 4:
-            raise KeyboardInterrupt
-        return fake_points(request)
-
+    monkeypatch.setattr(train_speed, "train", fake_run)
     out, picture = tmp_path / "train.json", tmp_path / "train.png"
-    learners = [
-        "--learners",
-        "distil",
-        "a3c",
-        "sb3-ppo",
-        "--seeds",
-        "2",
-        "--out",
-        str(out),
-        "--picture",
-        str(picture),
-    ]
-    arguments = arguments_for(scene_file, *learners)
-    monkeypatch.setattr(train_speed, "_points", interrupted)
+    learners = ("distil", "a3c", "sb3-ppo")
+    settings = TrainSpeedConfig(learners, 2, str(scene_file), ("ball0", "ball1"), threads=1, image_size=SIZE)
+    first, second = (InterruptedExecutor(SerialExecutor(), at) for at in (4, 0))
+    files = OutputFiles(out, picture)
     with pytest.raises(KeyboardInterrupt):
-        train_speed.train_speed_command(
-            train_speed.TrainSpeedConfig(
-                ("distil", "a3c", "sb3-ppo"), 2, str(scene_file), ("ball0", "ball1"), threads=1, image_size=SIZE
-            ),
-            out,
-            picture,
-        )
+        run_benchmark(TrainBenchmark(settings, first), files)
     assert not out.exists()
-    assert main(arguments) == 2
-    assert "--resume goes on" in capsys.readouterr().err.replace("\n", " ")
-    assert main([*arguments, "--seconds", "5", "--resume"]) == 2
-    assert "begun with another seconds" in capsys.readouterr().err.replace("\n", " ")
-    assert main([*arguments, "--resume"]) == 0
-    assert asked == [(name, seed) for seed in range(2) for name in ("distil", "a3c", "sb3-ppo")][:4] + asked[4:]
-    assert asked[4:] == [("distil", 1), ("a3c", 1), ("sb3-ppo", 1)]  # the fourth was not finished
+    with pytest.raises(OutputExistsError, match="--resume goes on"):
+        run_benchmark(TrainBenchmark(settings, second), files)
+    with pytest.raises(UserError, match=r"begun with other settings \(seconds\)"):
+        run_benchmark(TrainBenchmark(replace(settings, seconds=5.0), second), replace(files, resume=True))
+    benchmark = TrainBenchmark(settings, second)
+    text = benchmark.report(run_benchmark(benchmark, replace(files, resume=True)))
+    assert [(one.name, one.seed) for one in first.done] == [("distil", 0), ("a3c", 0), ("sb3-ppo", 0)]
+    assert [(one.name, one.seed) for one in second.done] == [("distil", 1), ("a3c", 1), ("sb3-ppo", 1)]
     result = json.loads(out.read_text())
     assert result["command"] == "benchmark train"
     assert [(run["learner"], run["seed"]) for run in result["runs"]] == [
@@ -259,8 +246,8 @@ def test_the_command_goes_on_where_it_was_interrupted(
     assert result["runs"][0]["points"] == GOOD
     assert list(tmp_path.iterdir()) in ([out, picture], [picture, out])
     assert Image.open(picture).format == "PNG"
-    text = capsys.readouterr().out
-    assert format_train_speed(result) in text
+    assert capsys.readouterr().out == ""  # it is the command that prints
+    assert format_train_speed(result) == text
     rows = {line.split()[0]: line for line in text.splitlines() if line.strip()}
     assert "2/2" in rows["distil"]
     assert rows["distil"].split()[-1] == "25.2"  # 101 s, the upper median, over 4 s
@@ -284,32 +271,6 @@ def test_a_tiny_run_trains_for_real(scene_file: Path, tmp_path: Path) -> None:
     assert theirs["points"][-1]["steps"] > 0
     assert result["protocol"]["targets"] == ["ball0", "ball1"]
     assert result["protocol"]["settings"]["sb3-a2c"]["num_envs"] == config.num_envs
-
-
-def test_why_a_training_failed_is_said() -> None:
-    request = {"problem": "nowhere", "name": "distil", "seed": 0, "threads": 1, "seconds": 1.0}
-    with pytest.raises(UserError, match=r"training by distil failed: FileNotFoundError.*nowhere"):
-        list(train_speed._points(request))
-
-
-def test_kept_runs_survive_a_torn_line_and_nothing_else(tmp_path: Path) -> None:
-    out, settings = tmp_path / "train.json", {"seeds": 2, "learners": ("distil",)}
-    kept = RunStore(out, settings, force=False, resume=True)
-    kept.add({"seed": 0})
-    kept.add({"seed": 1})
-    kept.path.write_text(kept.path.read_text()[:-4])
-    again = RunStore(out, settings, force=False, resume=True)
-    assert again.runs == [{"seed": 0}]
-    again.add({"seed": 2})
-    assert RunStore(out, settings, force=False, resume=True).runs == [{"seed": 0}, {"seed": 2}]
-    with pytest.raises(OutputExistsError, match="--resume goes on"):
-        RunStore(out, settings, force=False, resume=False)
-    with pytest.raises(UserError, match="begun with another seeds"):
-        RunStore(out, {**settings, "seeds": 3}, force=False, resume=True)
-    assert RunStore(out, settings, force=True, resume=False).runs == []
-    kept.path.write_text("nonsense\n")
-    with pytest.raises(UserError, match="is damaged"):
-        RunStore(out, settings, force=False, resume=True)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from active_perceiver.capture.rendered import kept_work, photographs
+from active_perceiver.capture.rendered import photographs
 from active_perceiver.cli.main import main
+from active_perceiver.parallel.executor import SerialExecutor
+from active_perceiver.parallel.process_pool import ProcessExecutor
 from active_perceiver.scenes import load_scene
 from box_room import box_room
 from indoor_rooms.renderer import compiled
@@ -56,14 +58,9 @@ def test_the_page_has_commands_for_all_that_it_promises() -> None:
 def test_the_commands_lead_to_an_agent_that_finds_its_targets(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def run_here(work, shared, jobs, workers, progress):  # type: ignore[no-untyped-def]
-        for number, job in enumerate(jobs, 1):
-            work(shared, job)
-            progress(number, len(jobs))
-
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(compiled, "MAX_TRIANGLES", 2000)
-    monkeypatch.setattr(kept_work, "run_parallel", run_here)
+    monkeypatch.setattr(ProcessExecutor, "map", SerialExecutor.map)
     monkeypatch.setattr(photographs, "make_room", lambda layout, seed: box_room())
     for command in commands():
         if "second_photos" in command:  # the reader's second room is the first one, not labelled

@@ -13,7 +13,6 @@ import pytest
 import torch
 
 from active_perceiver.envs import REWARDS, SearchEnv, SearchError
-from active_perceiver.policies.a3c.learner import train_a3c
 from active_perceiver.policies.a3c.processes import WorkerCrashError, run_workers
 from active_perceiver.policies.a3c.worker import EpisodeWorker, SharedWeights
 from active_perceiver.policies.config import A3cConfig
@@ -158,7 +157,9 @@ def test_in_turn_it_comes_near_the_shortest_paths(training_task):
         serial=True, check_every=200, target_ratio=1.45,
     )  # fmt: skip
     robot_moved = []
-    network, history = LEARNERS["a3c"].train([training_task], config, robot_moved.append)
+    network, history = LEARNERS["a3c"].train(
+        [training_task], config, inspect=lambda record, tables: robot_moved.append(record)
+    )
     overall = exact_evaluation(task_table(network, training_task, 0)[0], training_task.task).overall
     assert overall.success == pytest.approx(1)
     assert overall.ratio <= 1.5
@@ -171,7 +172,7 @@ def test_updates_every_few_steps_learn_too(training_task):
         SMALL, reward="arrival", gamma=0.95, update_steps=5, learning_rate=3e-3, epsilon=1e-4, iterations=1500,
         hidden=32, check_every=1500,
     )  # fmt: skip
-    _, history = train_a3c([training_task], config)
+    _, history = LEARNERS["a3c"].train([training_task], config)
     assert history[-1]["iteration"] == 1500
     assert history[-1]["samples"] <= 1500 * 5
     walk = exact_evaluation(np.full((*training_task.task.goals.shape, 8), 1 / 8), training_task.task).overall
@@ -180,36 +181,36 @@ def test_updates_every_few_steps_learn_too(training_task):
 
 def test_an_interrupted_training_goes_on_as_if_it_had_not_been(training_task, tmp_path):
     path = tmp_path / "checkpoint"
-    whole, history = train_a3c([training_task], SMALL)
+    whole, history = LEARNERS["a3c"].train([training_task], SMALL)
 
-    def interrupt(record):
-        if record["iteration"] == 8:
+    def interrupt(done, total, note):
+        if done == 8:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        train_a3c([training_task], SMALL, interrupt, checkpoint=path)
-    parts, more = train_a3c([training_task], SMALL, checkpoint=path)
+        LEARNERS["a3c"].train([training_task], SMALL, interrupt, checkpoint=path)
+    parts, more = LEARNERS["a3c"].train([training_task], SMALL, checkpoint=path)
     assert [record["iteration"] for record in more] == [4, 8, 12]
     drop = ("seconds", "measuring")
     for first, second in zip(history, more, strict=True):
         assert {k: v for k, v in first.items() if k not in drop} == {k: v for k, v in second.items() if k not in drop}
     np.testing.assert_array_equal(task_table(whole, training_task)[0], task_table(parts, training_task)[0])
-    again, same = train_a3c([training_task], SMALL, checkpoint=path)  # nothing is left to do
+    again, same = LEARNERS["a3c"].train([training_task], SMALL, checkpoint=path)  # nothing is left to do
     assert same == more
     np.testing.assert_array_equal(task_table(again, training_task)[0], task_table(parts, training_task)[0])
 
 
 def test_refuses_checkpoints_of_others_and_broken_ones(training_task, tmp_path):
     path = tmp_path / "checkpoint"
-    train_a3c([training_task], SMALL, checkpoint=path)
+    LEARNERS["a3c"].train([training_task], SMALL, checkpoint=path)
     with pytest.raises(SearchError, match="other settings or scenes"):
-        train_a3c([training_task], replace(SMALL, gamma=0.5), checkpoint=path)
+        LEARNERS["a3c"].train([training_task], replace(SMALL, gamma=0.5), checkpoint=path)
     with pytest.raises(SearchError, match="other settings or scenes"):
-        train_a3c([toy_task(1, width=32)], SMALL, checkpoint=path)
+        LEARNERS["a3c"].train([toy_task(1, width=32)], SMALL, checkpoint=path)
     for data in (b"", b"no checkpoint", path.read_bytes()[:-100]):
         path.write_bytes(data)
         with pytest.raises(SearchError, match="no checkpoint of a3c"):
-            train_a3c([training_task], SMALL, checkpoint=path)
+            LEARNERS["a3c"].train([training_task], SMALL, checkpoint=path)
 
 
 @pytest.mark.xdist_group("processes")
@@ -219,7 +220,7 @@ class TestSideBySide:
         config = replace(SMALL, serial=False, iterations=60, check_every=20)
         path = tmp_path / "checkpoint"
         start = [task_table(seeded_network(training_tasks, config), some)[0] for some in training_tasks]
-        network, history = train_a3c(training_tasks, config, checkpoint=path)
+        network, history = LEARNERS["a3c"].train(training_tasks, config, checkpoint=path)
         iterations = [record["iteration"] for record in history]
         assert iterations[-1] == 60
         # Workers do not wait for a measurement, so there may be fewer than three.
@@ -257,7 +258,7 @@ class TestSideBySide:
             "from active_perceiver.policies.learners import LEARNERS\n"
             "if __name__ == '__main__':\n"
             "    config = A3cConfig(hidden=16, max_steps=60, check_every=10, iterations=10**8)\n"
-            "    tell = lambda record: print('measured', flush=True)\n"
+            "    tell = lambda done, total, note: print('measured', flush=True)\n"
             f"    LEARNERS['a3c'].train([toy_task()], config, tell, checkpoint=Path({str(path)!r}))\n"
         )
         process = subprocess.Popen(

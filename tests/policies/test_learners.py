@@ -132,7 +132,9 @@ def test_ppos_gradient_equals_that_of_the_samples(training_task, entropy_weight)
 @pytest.mark.parametrize("name", CONFIGS)
 def test_finds_every_target_with_every_picture(name, training_task):
     robot_moved = []
-    network, history = LEARNERS[name].train([training_task], CONFIGS[name], robot_moved.append)
+    network, history = LEARNERS[name].train(
+        [training_task], CONFIGS[name], inspect=lambda record, tables: robot_moved.append(record)
+    )
     for picture in range(training_task.observations.pictures):
         overall = exact_evaluation(task_table(network, training_task, picture)[0], training_task.task).overall
         assert overall.success == pytest.approx(1)

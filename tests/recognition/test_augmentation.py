@@ -30,7 +30,14 @@ def made(scene, backbone):
     data, split, network = material([scene], backbone)
     calls: list[tuple[int, int]] = []
     augmented = make_augmented(
-        [scene], backbone, network, data, split, CONFIG, np.random.default_rng(1), lambda *call: calls.append(call)
+        [scene],
+        backbone,
+        network,
+        data,
+        split,
+        CONFIG,
+        np.random.default_rng(1),
+        lambda *call: calls.append(call[:2]),
     )
     return data, split, network, augmented, calls
 

@@ -137,7 +137,7 @@ def test_the_same_seed_gives_the_same_and_another_another(scene, features, judge
 def test_progress_counts_through_all_folds(scene, features):
     calls: list[tuple[int, int]] = []
     cross_validate(
-        scene, features, replace(SHORT, steps=2), FOLDS, lambda step, total, _: calls.append((step, total))
+        scene, features, replace(SHORT, steps=2), FOLDS, lambda step, total, note: calls.append((step, total))
     )
     assert calls == [(step, 6) for step in range(1, 7)]
 

@@ -28,10 +28,10 @@ def features(scene, backbone):
 
 @pytest.fixture(scope="module")
 def trained(scene, features):
-    calls: list[tuple[int, int, float]] = []
+    calls: list[tuple[int, int, str]] = []
     result = train_recogniser([scene], [features], SHORT, lambda *call: calls.append(call))
     assert [call[:2] for call in calls] == [(step, STEPS) for step in range(1, STEPS + 1)]
-    assert calls[-1][2] < calls[0][2]
+    assert float(calls[-1][2].removeprefix("loss ")) < float(calls[0][2].removeprefix("loss "))
     return result
 
 

@@ -14,6 +14,7 @@ from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.goals.goal import SearchGoal
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.scenes import Action, decode_image
+from active_perceiver.utils.sections import section
 from active_perceiver.vision.backbone import Backbone, pooled
 
 
@@ -68,9 +69,12 @@ class ActiveSearch:
     def act(self, image: NDArray[np.uint8] | bytes, robot_moved: bool | None = None) -> Step:
         """Look at one image and decide; see `ActivePerceiver.act`."""
         if isinstance(image, bytes):
-            image = decode_image(image, "the robot's image", self._backbone.image_size)
-        maps = self._backbone.maps([image])
-        goal = self.goal.observe(maps)
+            with section("decoding"):
+                image = decode_image(image, "the robot's image", self._backbone.image_size)
+        with section("backbone"):
+            maps = self._backbone.maps([image])
+        with section("recogniser"):
+            goal = self.goal.observe(maps)
         view = ViewFeatures.of(pooled(maps)[0], self._room)
         decision = self._controller.step(Observation(goal, view, robot_moved))
         return Step(self.actions[decision.action], goal.detection, decision.probabilities, decision.found)

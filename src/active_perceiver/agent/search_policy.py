@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.goals.goal import GoalObservation
 from active_perceiver.policies.policy import ActionPolicy
+from active_perceiver.utils.sections import section
 from active_perceiver.vision.location import location_mask
 
 NOWHERE = np.full(4, np.nan)
@@ -59,4 +60,6 @@ class TargetPolicy:
         """See `SearchPolicy`: the policy is shown the view, the target, and where in the view the target is seen."""
         detection = observation.goal.detection
         mask = location_mask(NOWHERE if detection is None else detection.box)
-        return self._policy.probabilities(observation.view.features[None], self._target, mask[None], self._branch)[0]
+        with section("policy"):
+            views = observation.view.features[None]
+            return self._policy.probabilities(views, self._target, mask[None], self._branch)[0]

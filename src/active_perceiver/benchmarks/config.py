@@ -10,6 +10,28 @@ LearnerName = Literal["mirror-descent", "distil", "ppo", "a3c", "sb3-ppo", "sb3-
 
 
 @dataclass(frozen=True)
+class RenderSpeedConfig:
+    """Which room of each kind is rendered, and how often."""
+
+    seed: int = 1
+    """Which room of each kind."""
+    views: int = 12
+    """Views to take of each room."""
+
+
+@dataclass(frozen=True)
+class EnvSpeedConfig:
+    """What is measured, and for how long."""
+
+    scene: str = "kitchen_1"
+    """Where to search, a bundled name or a file."""
+    seconds: float = 3.0
+    """How long to measure each environment."""
+    counts: tuple[int, ...] = (1, 16, 64, 256, 1024)
+    """Numbers of searches side by side."""
+
+
+@dataclass(frozen=True)
 class ActSpeedConfig:
     """What to measure, and how often."""
 

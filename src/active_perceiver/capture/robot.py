@@ -10,8 +10,6 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,7 +25,7 @@ from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.lattice import nearest_tilt
 from active_perceiver.utils.files import OutputExistsError, replacing
-from active_perceiver.utils.progress import ProgressCallback, console, progress_bar
+from active_perceiver.utils.progress import ProgressBar, console, progress_bar
 
 FORMAT = "active-perceiver-capture"
 SIGN, POSES = "capture.json", "poses.csv"
@@ -65,7 +63,7 @@ def photograph_places(
     at_once: int | None = None,
     force: bool = False,
     resume: bool = False,
-    progress: Callable[[str], AbstractContextManager[ProgressCallback]] = progress_bar,
+    progress: ProgressBar = progress_bar,
 ) -> Captured:
     """Take a photograph at each pose of a table, place after place, and drive back to where the robot began.
 

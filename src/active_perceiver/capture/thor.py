@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import importlib.metadata
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.capture.rendered.capture_store import CaptureStore
 from active_perceiver.capture.thor_targets import (
     Instance,
     instance_views,
@@ -19,6 +17,7 @@ from active_perceiver.capture.thor_targets import (
     room_instances,
     training_first,
 )
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.robots.ai2thor import (
     Controller,
     ThorConfig,
@@ -32,9 +31,8 @@ from active_perceiver.robots.ai2thor import (
 from active_perceiver.scenes import Action, Scene, Target
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.lattice import MOVE_DIRECTION, lattice_poses, lattice_transitions
-from active_perceiver.utils.progress import ProgressCallback, progress_bar
+from active_perceiver.utils.progress import ProgressBar, progress_bar
 
-Stage = Callable[[str], AbstractContextManager[ProgressCallback]]
 PLAN = "plan"
 
 
@@ -73,12 +71,12 @@ def capture_thor(
     controller: Controller,
     name: str,
     settings: ThorConfig,
-    store: CaptureStore,
+    store: RunStore,
     *,
     types: Sequence[str] = (),
     all_types: bool = True,
     actions: Sequence[Action],
-    progress: Stage = progress_bar,
+    progress: ProgressBar = progress_bar,
 ) -> ThorCapture:
     """Look from every pose of a lattice over the reachable positions.
 
@@ -96,10 +94,10 @@ def capture_thor(
         ThorError: if the simulator fails, no position can be reached, or no target is ever seen.
     """
     walk = _begin(controller, settings, store, types, all_types)
-    keys = [f"view-{number:05}" for number in range(len(walk.poses))]
+    keys = {f"view-{number:05}": number for number in range(len(walk.poses))}
     with progress(f"{name}: views") as report:
-        for done, number in enumerate(missing := store.missing(keys), 1):
-            _look(controller, walk, number, store, keys[number])
+        for done, key in enumerate(missing := store.missing(keys), 1):
+            _look(controller, walk, keys[key], store, key)
             report(len(keys) - len(missing) + done, len(keys))
     kept = [store.loaded(key) for key in keys]
     there = np.flatnonzero([len(view["image"]) > 0 for view in kept])
@@ -173,7 +171,7 @@ def thor_transitions(poses: NDArray[np.float32], actions: Sequence[Action], grid
 
 
 def _begin(
-    controller: Controller, settings: ThorConfig, store: CaptureStore, types: Sequence[str], all_types: bool
+    controller: Controller, settings: ThorConfig, store: RunStore, types: Sequence[str], all_types: bool
 ) -> _Walk:
     """What is to be done, as it was when the work began: what can be reached follows from where the agent stands."""
     plan = store.load(PLAN)
@@ -202,7 +200,7 @@ def _at(controller: Controller, walk: _Walk, number: int) -> object | None:
     return teleport(controller, pose, float(walk.heights[number]))
 
 
-def _look(controller: Controller, walk: _Walk, number: int, store: CaptureStore, key: str) -> None:
+def _look(controller: Controller, walk: _Walk, number: int, store: RunStore, key: str) -> None:
     """Keep one view; an empty image stands for a pose at which the agent cannot be."""
     event = _at(controller, walk, number)
     if event is None:
@@ -214,7 +212,7 @@ def _look(controller: Controller, walk: _Walk, number: int, store: CaptureStore,
 
 
 def _pictures(
-    controller: Controller, walk: _Walk, instance: Instance, numbers: Sequence[int], store: CaptureStore, key: str
+    controller: Controller, walk: _Walk, instance: Instance, numbers: Sequence[int], store: RunStore, key: str
 ) -> list[bytes]:
     """An object's pictures, from the store or, where it was seen best, by looking once more."""
     arrays = store.load(key)

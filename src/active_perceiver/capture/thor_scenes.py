@@ -7,10 +7,9 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Literal
 
-from active_perceiver import __version__
-from active_perceiver.capture.rendered.capture_store import CaptureStore
 from active_perceiver.capture.thor import PLAN, ThorCapture, capture_thor, client_version
 from active_perceiver.capture.thor_targets import NoTargetsError
+from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.robots.ai2thor import Controller, ThorConfig, ThorError, start_controller
 from active_perceiver.scenes import EIGHT_ACTIONS, save_scene
 from active_perceiver.utils.files import OutputExistsError, check_output
@@ -56,18 +55,18 @@ def capture_room(
 
     Raises:
         OutputExistsError: if the file, or an interrupted capture, exists and nothing says what to do with it.
-        CaptureError: if the interrupted capture was begun with other settings.
+        RunStoreError: if the interrupted capture was begun with other settings.
         ThorError: see `capture_thor`.
     """
     if out.suffix != ".h5" or out.is_dir():
         raise ThorError(f"{out} is no scene file to write; give an --out that ends in .h5")
     check_output(out, force)
     noted = {
-        "version": __version__, "client": client_version(), "room": room, "settings": asdict(settings),
+        "client": client_version(), "room": room, "settings": asdict(settings),
         "targets": list(types), "actions": [action.value for action in ACTIONS],
     }  # fmt: skip
     # Begun before the simulator is started: a contradiction is better told at once.
-    store = CaptureStore.begin(out.with_name(f"{out.name}.part"), noted, force=force, resume=resume)
+    store = RunStore.begin(part_folder(out), noted, force=force, resume=resume)
     try:
         controller = (start or start_controller)(room, settings)
         try:

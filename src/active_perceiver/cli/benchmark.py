@@ -5,17 +5,17 @@ As in `cli/main.py`, a command is a dataclass whose fields are its arguments, th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from tyro.conf import Positional, subcommand
+from tyro.conf import OmitArgPrefixes, Positional, subcommand
 
+from active_perceiver.benchmarks.config import EnvSpeedConfig, RenderSpeedConfig
 from active_perceiver.cli.benchmark_agents import AgentBenchmark
 from active_perceiver.cli.benchmark_training import TrainingBenchmark
 from active_perceiver.cli.help import help_text
-from active_perceiver.cli.outputs import Outputs
+from active_perceiver.cli.outputs import Outputs, print_benchmark
 
 
 @dataclass
@@ -24,55 +24,29 @@ class BenchmarkRender:
 
     layouts: Positional[tuple[str, ...]] = ()
     """Kinds of rooms; all if not given."""
-    seed: int = 1
-    """Which room of each kind."""
-    views: int = 12
-    """Views to take of each room."""
+    settings: OmitArgPrefixes[RenderSpeedConfig] = field(default_factory=RenderSpeedConfig)
     out: Path | None = None
     """Write the result here, as JSON."""
     force: bool = False
     """Replace an existing file."""
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.outputs import check_outputs
-        from active_perceiver.benchmarks.render.measure import format_timing
-        from active_perceiver.parallel.process_pool import run_parallel
-        from active_perceiver.utils.progress import progress_bar
-        from active_perceiver.utils.result import write_result
-        from indoor_rooms.layouts import LAYOUTS
+        from active_perceiver.benchmarks.render.measure import RenderBenchmark
 
-        check_outputs(self.force, self.out)
-        jobs = [(layout, self.seed) for layout in self.layouts or tuple(LAYOUTS)]
-        with progress_bar("rooms") as report:
-            # One process after the other, each with one thread and nothing cached.
-            measured = [
-                run_parallel(_time_room, self.views, [job], 1, partial(_count, report, number, len(jobs)))[0]
-                for number, job in enumerate(jobs)
-            ]
-        print("\n\n".join(format_timing(result) for result in measured))
-        if self.out is not None:
-            protocol = {"cores": 1, "threads": 1, "views": self.views}
-            write_result(self.out, "benchmark render", {"protocol": protocol, "rooms": measured})
-            print(f"\nresult: {self.out}")
-        return 0
+        outputs = Outputs(out=self.out, force=self.force)
+        return print_benchmark(RenderBenchmark(self.layouts, self.settings), outputs)
 
 
 @dataclass
 class BenchmarkEnv(Outputs):
     """Environment steps per second."""
 
-    scene: str = "kitchen_1"
-    """Where to search, a bundled name or a file."""
-    seconds: float = 3.0
-    """How long to measure each environment."""
-    counts: tuple[int, ...] = (1, 16, 64, 256, 1024)
-    """Numbers of searches side by side."""
+    settings: OmitArgPrefixes[EnvSpeedConfig] = field(default_factory=EnvSpeedConfig)
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.env.measure import env_speed_command
+        from active_perceiver.benchmarks.env.measure import EnvBenchmark
 
-        env_speed_command(self.scene, self.seconds, self.counts, self.out, self.picture, force=self.force)
-        return 0
+        return print_benchmark(EnvBenchmark(self.settings), self)
 
 
 BenchmarkCommand = (
@@ -112,16 +86,3 @@ class Benchmark:
 
     def run(self) -> int:
         return self.command.run()
-
-
-def _count(report: Any, before: int, total: int, done: int, _: int, note: str = "") -> None:
-    report(before + done, total, note)
-
-
-def _time_room(views: int, job: tuple[str, int]) -> dict[str, Any]:
-    from active_perceiver.benchmarks.render.measure import measure_rendering
-    from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS
-    from indoor_rooms.layouts import make_room
-
-    layout, _ = job
-    return measure_rendering(lambda: make_room(*job), views, settings=DEFAULT_CONFIGS.get(layout))

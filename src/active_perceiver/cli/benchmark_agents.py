@@ -18,7 +18,7 @@ from active_perceiver.benchmarks.config import (
     RobustnessConfig,
 )
 from active_perceiver.cli.help import help_text
-from active_perceiver.cli.outputs import Outputs
+from active_perceiver.cli.outputs import Outputs, print_benchmark
 
 
 @dataclass
@@ -28,10 +28,9 @@ class BenchmarkAct(Outputs):
     settings: OmitArgPrefixes[ActSpeedConfig] = field(default_factory=ActSpeedConfig)
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.act.measure import act_speed_command
+        from active_perceiver.benchmarks.act.measure import ActBenchmark
 
-        act_speed_command(self.settings, self.out, self.picture, force=self.force)
-        return 0
+        return print_benchmark(ActBenchmark(self.settings), self)
 
 
 @dataclass
@@ -43,10 +42,9 @@ class BenchmarkExport(Outputs):
     settings: OmitArgPrefixes[ExportBenchmarkConfig] = field(default_factory=ExportBenchmarkConfig)
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.exported.measure import exported_command
+        from active_perceiver.benchmarks.exported.measure import ExportBenchmark
 
-        exported_command(self.agent, self.settings, self.out, self.picture, force=self.force)
-        return 0
+        return print_benchmark(ExportBenchmark(self.agent, self.settings), self)
 
 
 @dataclass
@@ -60,12 +58,9 @@ class BenchmarkRobustness(Outputs):
     """Keep what an interrupted run with the same --work has measured."""
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.robustness.measure import robustness_command
+        from active_perceiver.benchmarks.robustness.measure import RobustnessBenchmark
 
-        robustness_command(
-            self.agent, self.settings, _render_again, self.out, self.picture, force=self.force, resume=self.resume
-        )
-        return 0
+        return print_benchmark(RobustnessBenchmark(self.agent, self.settings, _render_again, self.resume), self)
 
 
 @dataclass
@@ -80,10 +75,9 @@ class BenchmarkRobot(Outputs):
     """Go on after the rows that an interrupted run has finished."""
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.robot.measure import robot_command
+        from active_perceiver.benchmarks.robot.measure import RobotBenchmark
 
-        robot_command(self.agents, self.settings, self.out, self.picture, force=self.force, resume=self.resume)
-        return 0
+        return print_benchmark(RobotBenchmark(self.agents, self.settings), self, self.resume)
 
 
 AgentBenchmark = (

@@ -18,7 +18,7 @@ from active_perceiver.benchmarks.config import (
     TrainSpeedConfig,
 )
 from active_perceiver.cli.help import help_text
-from active_perceiver.cli.outputs import Outputs
+from active_perceiver.cli.outputs import Outputs, print_benchmark
 
 
 @dataclass
@@ -30,10 +30,9 @@ class BenchmarkTrain(Outputs):
     """Go on after the trainings that an interrupted run has finished."""
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.train.measure import train_speed_command
+        from active_perceiver.benchmarks.train.measure import TrainBenchmark
 
-        train_speed_command(self.settings, self.out, self.picture, force=self.force, resume=self.resume)
-        return 0
+        return print_benchmark(TrainBenchmark(self.settings), self, self.resume)
 
 
 @dataclass
@@ -45,10 +44,9 @@ class BenchmarkScale(Outputs):
     """Go on after the trainings that an interrupted run has finished."""
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.scale.measure import scale_command
+        from active_perceiver.benchmarks.scale.measure import ScaleBenchmark
 
-        scale_command(self.settings, self.out, self.picture, force=self.force, resume=self.resume)
-        return 0
+        return print_benchmark(ScaleBenchmark(self.settings), self, self.resume)
 
 
 @dataclass
@@ -62,10 +60,9 @@ class BenchmarkPolicies(Outputs):
     """Go on after the trainings that an interrupted run has finished."""
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.policies.measure import policies_command
+        from active_perceiver.benchmarks.policies.measure import PoliciesBenchmark
 
-        policies_command(self.agents, self.settings, self.out, self.picture, force=self.force, resume=self.resume)
-        return 0
+        return print_benchmark(PoliciesBenchmark(self.agents, self.settings), self, self.resume)
 
 
 @dataclass
@@ -77,10 +74,9 @@ class BenchmarkRecogniser(Outputs):
     """Go on after the trainings that an interrupted run has finished."""
 
     def run(self) -> int:
-        from active_perceiver.benchmarks.recogniser.measure import recogniser_command
+        from active_perceiver.benchmarks.recogniser.measure import RecogniserBenchmark
 
-        recogniser_command(self.settings, self.out, self.picture, force=self.force, resume=self.resume)
-        return 0
+        return print_benchmark(RecogniserBenchmark(self.settings), self, self.resume)
 
 
 TrainingBenchmark = (

@@ -109,6 +109,7 @@ class CaptureRoom:
 
     def run(self) -> int:
         from active_perceiver.capture.rendered.photographs import PhotographConfig, take_photographs
+        from active_perceiver.parallel.process_pool import ProcessExecutor
 
         photographer = PhotographConfig(
             width=self.width, jitter_cm=self.jitter_cm, jitter_degrees=self.jitter_degrees, error_cm=self.error_cm,
@@ -116,7 +117,7 @@ class CaptureRoom:
         )  # fmt: skip
         count = take_photographs(
             self.layout, self.seed, self.out, photographer, places=self.places, force=self.force, resume=self.resume,
-            workers=self.workers,
+            executor=ProcessExecutor(self.workers),
         )  # fmt: skip
         print(f"folder: {self.out}, {count} photographs\nto a scene: see docs/your-own-room.md")
         return 0

@@ -101,6 +101,7 @@ class ScenesRender:
     def run(self) -> int:
         from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig
         from active_perceiver.capture.rendered.render import default_name, render_scene, render_scenes
+        from active_perceiver.parallel.process_pool import ProcessExecutor
 
         if self.count is not None and self.count < 1:
             raise UserError(f"--count must be at least 1, got {self.count}")
@@ -109,17 +110,18 @@ class ScenesRender:
             DEFAULT_CONFIGS.get(self.layout, CaptureConfig()),
             **{name: value for name, value in given.items() if value is not None},
         )
+        executor = ProcessExecutor(self.workers)
         if self.count is None:
             path = self.out or Path(default_name(self.layout, self.seed, self.hour, self.moved))
             timing = render_scene(
-                self.layout, self.seed, path, force=self.force, resume=self.resume, workers=self.workers,
+                self.layout, self.seed, path, force=self.force, resume=self.resume, executor=executor,
                 settings=settings, hour=self.hour, moved=self.moved,
             )  # fmt: skip
             print(f"scene: {path}\n{timing.text()}")
             return 0
         rendered = render_scenes(
             self.layout, range(self.seed, self.seed + self.count), self.out or Path(), force=self.force,
-            resume=self.resume, workers=self.workers, settings=settings, hour=self.hour, moved=self.moved,
+            resume=self.resume, executor=executor, settings=settings, hour=self.hour, moved=self.moved,
         )  # fmt: skip
         for path, taken in rendered:
             print(f"scene: {path}\n{taken.text() if taken else 'was there'}")
@@ -150,7 +152,7 @@ class ScenesPreview:
     """Replace an existing picture or result."""
 
     def run(self) -> int:
-        from active_perceiver.parallel.process_pool import run_parallel
+        from active_perceiver.parallel.process_pool import ProcessExecutor
         from active_perceiver.utils.files import check_output, replacing
         from active_perceiver.utils.progress import progress_bar
         from active_perceiver.utils.result import write_result
@@ -163,10 +165,11 @@ class ScenesPreview:
             if path is not None:
                 check_output(path, self.force)
         seeds = range(self.seed, self.seed + self.count)
+        executor = ProcessExecutor(self.workers)
         with progress_bar("rooms") as report:
             looks = look_at_rooms(
                 self.layouts or tuple(LAYOUTS), seeds, self.views if self.picture else 0, self.image_size, report,
-                run=lambda work, shared, jobs, progress: run_parallel(work, shared, jobs, self.workers, progress),
+                run=lambda work, shared, jobs, progress: list(executor.map(work, jobs, shared, progress)),
             )  # fmt: skip
         for look in looks:
             print(f"{look.name}: {look.places} places, {look.targets} targets", *look.problems, sep="\n  ")
@@ -209,11 +212,12 @@ class ScenesElsewhere:
 
     def run(self) -> int:
         from active_perceiver.capture.rendered.elsewhere import render_elsewhere
+        from active_perceiver.parallel.process_pool import ProcessExecutor
         from active_perceiver.scenes import open_scene
 
         photographs = render_elsewhere(
             open_scene(self.scene), self.out, pictures=self.pictures, targets=self.targets, rooms=self.rooms,
-            force=self.force, resume=self.resume, workers=self.workers,
+            force=self.force, resume=self.resume, executor=ProcessExecutor(self.workers),
         )  # fmt: skip
         print(f"scene: {self.out}\nrooms: {', '.join(photographs.rooms)}")
         for name, count in sorted(photographs.seen.items(), key=lambda item: -item[1]):

@@ -20,32 +20,14 @@ from torch import Tensor
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.policies.config import DistilConfig
 from active_perceiver.policies.fitting import fit_network, state_batches
-from active_perceiver.policies.monitor import Inspect, Progress, Record
+from active_perceiver.policies.monitor import Monitor
 from active_perceiver.policies.network import PolicyNetwork, picture_tensors
 from active_perceiver.policies.training_task import TrainingTask
 
 
-def train_distil(
-    training_tasks: Sequence[TrainingTask],
-    config: DistilConfig,
-    progress: Progress | None = None,
-    inspect: Inspect | None = None,
-) -> tuple[PolicyNetwork, list[Record]]:
-    """Train a policy for one or several scenes.
-
-    Args:
-        training_tasks: one per scene, with features of one backbone.
-        config: see `DistilConfig`.
-        progress: is called with every record of the history.
-        inspect: is shown every record with the policy tables it measures.
-
-    Returns:
-        The network and the history, see `Monitor`.
-
-    Raises:
-        SearchError: if there are no problems, or they do not go together.
-    """
-    return fit_network(training_tasks, config, partial(_batch_losses, config), progress, inspect)
+def train_distil(training_tasks: Sequence[TrainingTask], config: DistilConfig, monitor: Monitor) -> PolicyNetwork:
+    """Train a policy by distillation; see `Learner.train`."""
+    return fit_network(training_tasks, config, partial(_batch_losses, config), monitor)
 
 
 def optimal_actions(task: SearchTask, states: NDArray[np.integer]) -> NDArray[np.bool_]:

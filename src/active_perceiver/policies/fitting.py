@@ -11,10 +11,11 @@ import torch
 from torch import Tensor, nn
 
 from active_perceiver.policies.config import FitConfig
-from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
+from active_perceiver.policies.monitor import Monitor
 from active_perceiver.policies.network import PolicyNetwork, seeded_network
 from active_perceiver.policies.training_task import TrainingTask
 from active_perceiver.utils.ema import ema_weights
+from active_perceiver.utils.sections import section
 
 # The losses of one iteration's `fit_steps` steps in one scene, each to be minimised before the next is asked for.
 SceneLosses = Callable[[PolicyNetwork, TrainingTask, np.random.Generator], Iterator[Tensor]]
@@ -24,9 +25,8 @@ def fit_network(
     training_tasks: Sequence[TrainingTask],
     config: FitConfig,
     losses: SceneLosses,
-    progress: Progress | None = None,
-    inspect: Inspect | None = None,
-) -> tuple[PolicyNetwork, list[Record]]:
+    monitor: Monitor,
+) -> PolicyNetwork:
     """Train a policy for one or several scenes; a step of Adam minimises the mean of their losses.
 
     What is measured and given back is the running mean of the weights, see `FitConfig.averaging`.
@@ -35,11 +35,7 @@ def fit_network(
         training_tasks: one per scene, with features of one backbone.
         config: how many steps, how large, and when to stop.
         losses: gives the losses of an iteration in one scene.
-        progress: is called with every record of the history.
-        inspect: is shown every record with the policy tables it measures.
-
-    Returns:
-        The network and the history, see `Monitor`.
+        monitor: watches the training, and says when it is over.
 
     Raises:
         SearchError: if there are no problems, or they do not go together.
@@ -50,7 +46,7 @@ def fit_network(
     optimiser = torch.optim.Adam(network.parameters(), lr=config.learning_rate, fused=True)
     averaged = ema_weights(network, config.averaging)
     policy = cast(PolicyNetwork, averaged.module)
-    monitor = Monitor(training_tasks, config, progress, inspect)
+    monitor.start()
     for iteration in range(config.iterations):
         optimiser.param_groups[0]["lr"] = config.learning_rate_at(iteration)
         scenes = [losses(network, training_task, rng) for training_task in training_tasks]
@@ -58,12 +54,15 @@ def fit_network(
             optimiser.zero_grad()
             for scene in scenes:
                 # One after the other, so that what a backward pass needs is kept for one scene only.
-                (next(scene) / len(scenes)).backward()
-            optimiser.step()
-            averaged.update_parameters(network)
+                loss = next(scene) / len(scenes)
+                with section("backward"):
+                    loss.backward()
+            with section("optimiser"):
+                optimiser.step()
+                averaged.update_parameters(network)
         if monitor.finished(policy, iteration + 1):
             break
-    return policy, monitor.history
+    return policy
 
 
 def _scale_weights(network: PolicyNetwork, seed: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -12,10 +12,15 @@ from typing import TYPE_CHECKING
 from active_perceiver.errors import SearchError
 from active_perceiver.policies.config import A3cConfig, DistilConfig, LearnerConfig, MirrorDescentConfig, PpoConfig
 from active_perceiver.policies.training_task import TrainingTask
+from active_perceiver.utils.progress import ProgressCallback, quiet
 
 if TYPE_CHECKING:
-    from active_perceiver.policies.monitor import Inspect
+    from active_perceiver.policies.monitor import Inspect, Monitor
     from active_perceiver.policies.network import PolicyNetwork
+
+
+# Imported by name when a training begins, for it needs torch.
+_MONITOR = "active_perceiver.policies.monitor"
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,8 @@ class Learner:
     Attributes:
         name: its key in `LEARNERS`.
         config: the class of its settings.
-        function: where it is, as "module:function".
+        function: where it is, as "module:function". It is given the training tasks, the settings and a `Monitor`,
+            which it starts, and asks after each iteration whether that was the last; it returns the network.
         meaning: one line for help texts.
         keeps_checkpoints: whether it takes so long that it keeps its state in a file.
     """
@@ -40,18 +46,20 @@ class Learner:
         self,
         training_tasks: Sequence[TrainingTask],
         config: LearnerConfig | None = None,
-        progress: Callable[[dict[str, float]], None] | None = None,
+        progress: ProgressCallback = quiet,
         inspect: Inspect | None = None,
         checkpoint: Path | None = None,
+        monitor: Monitor | None = None,
     ) -> tuple[PolicyNetwork, list[dict[str, float]]]:
         """Train a policy with a branch for each problem.
 
         Args:
             training_tasks: one per scene, with features of one backbone.
             config: of the class `config`; None for its defaults.
-            progress: is called with each record of the history.
-            inspect: is shown each record with the policy tables it measures.
+            progress: told at each measurement how many iterations are done, and how good the policy is.
+            inspect: is shown each record of the history with the policy tables it measures.
             checkpoint: where a learner that keeps checkpoints keeps its state; one that is there is gone on with.
+            monitor: another one than is made of `progress` and `inspect`.
 
         Returns:
             The network and the history; see `Monitor` for what a record holds.
@@ -69,9 +77,9 @@ class Learner:
         except ModuleNotFoundError as error:
             raise SearchError(f"training needs {error.name}: pip install 'active-perceiver[train]'") from None
         with _torch_set_up(config.threads):
-            if self.keeps_checkpoints:
-                return train(training_tasks, config, progress, inspect, checkpoint)
-            return train(training_tasks, config, progress, inspect)
+            monitor = monitor or import_module(_MONITOR).Monitor(training_tasks, config, progress, inspect)
+            kept = (checkpoint,) if self.keeps_checkpoints else ()
+            return train(training_tasks, config, monitor, *kept), monitor.history
 
 
 LEARNERS: dict[str, Learner] = {

@@ -18,32 +18,17 @@ from torch import Tensor
 from active_perceiver.policies.advantages import exact_advantages
 from active_perceiver.policies.config import MirrorDescentConfig, reward_of
 from active_perceiver.policies.fitting import fit_network, state_batches
-from active_perceiver.policies.monitor import Inspect, Progress, Record
+from active_perceiver.policies.monitor import Monitor
 from active_perceiver.policies.network import PolicyNetwork, log_table, picture_tensors
 from active_perceiver.policies.training_task import TrainingTask
+from active_perceiver.utils.sections import section
 
 
 def train_mirror_descent(
-    training_tasks: Sequence[TrainingTask],
-    config: MirrorDescentConfig,
-    progress: Progress | None = None,
-    inspect: Inspect | None = None,
-) -> tuple[PolicyNetwork, list[Record]]:
-    """Train a policy for one or several scenes.
-
-    Args:
-        training_tasks: one per scene, with features of one backbone.
-        config: see `MirrorDescentConfig`.
-        progress: is called with every record of the history.
-        inspect: is shown every record with the policy tables it measures.
-
-    Returns:
-        The network and the history, see `Monitor`.
-
-    Raises:
-        SearchError: if there are no problems, or they do not go together.
-    """
-    return fit_network(training_tasks, config, partial(_improvements, config), progress, inspect)
+    training_tasks: Sequence[TrainingTask], config: MirrorDescentConfig, monitor: Monitor
+) -> PolicyNetwork:
+    """Train a policy by mirror descent; see `Learner.train`."""
+    return fit_network(training_tasks, config, partial(_improvements, config), monitor)
 
 
 def _improvements(
@@ -53,7 +38,8 @@ def _improvements(
     task = training_task.task
     drawn = training_task.observations.pictures, len(task.targets)
     log_policy, _ = log_table(network, *picture_tensors(training_task, rng.integers(0, *drawn)), task.scene)
-    advantages = exact_advantages(log_policy.exp().numpy(), task, reward_of(config), config.gamma)
+    with section("advantages"):
+        advantages = exact_advantages(log_policy.exp().numpy(), task, reward_of(config), config.gamma)
     # Far from a goal all actions are worth nearly the same, discounted; measured by the largest one a step is as long
     # there as near by.
     largest = np.abs(advantages).max(axis=-1, keepdims=True)

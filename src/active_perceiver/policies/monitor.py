@@ -13,9 +13,9 @@ from active_perceiver.policies.evaluation import SearchResult, exact_evaluation,
 from active_perceiver.policies.markov_chain import entropies
 from active_perceiver.policies.network import PolicyNetwork, task_table
 from active_perceiver.policies.training_task import TrainingTask
+from active_perceiver.utils.progress import ProgressCallback, quiet
 
 Record = dict[str, float]
-Progress = Callable[[Record], None]
 # Is shown every record and the policy tables (S, T, A) that it measures, one per problem.
 Inspect = Callable[[Record, Sequence[NDArray[np.float32]]], None]
 
@@ -31,9 +31,8 @@ class Monitor:
     Args:
         training_tasks: what it is measured in.
         config: how often, and when it is good enough.
-        progress: is told each record.
+        progress: told of each measurement.
         inspect: is shown each record and the tables it measures.
-        earlier: records of a training that goes on.
 
     A measurement uses one picture per target, another one each time; only when that one is good enough are all of
     them tried.
@@ -49,20 +48,32 @@ class Monitor:
         self,
         training_tasks: Sequence[TrainingTask],
         config: LearnerConfig,
-        progress: Progress | None,
+        progress: ProgressCallback = quiet,
         inspect: Inspect | None = None,
-        earlier: Sequence[Record] = (),
     ) -> None:
-        self.history: list[Record] = list(earlier)
+        self.history: list[Record] = []
         self._training_tasks = training_tasks
         self._config = config
         self._progress = progress
         self._inspect = inspect
-        self._measured = int(earlier[-1]["iteration"]) if earlier else 0
-        self._measuring = earlier[-1].get("measuring", 0.0) if earlier else 0.0
-        self._started = time.monotonic() - (earlier[-1]["seconds"] if earlier else 0.0)
+        self._measured = 0  # the iteration
+        self._measuring = 0.0
+        self._started = time.monotonic()
         self._best_ratio = float("inf")
         self._best_at = 0  # measurements up to the best one
+
+    def start(self, earlier: Sequence[Record] = ()) -> None:
+        """Begin to count time; the learner calls it when its first iteration begins.
+
+        Args:
+            earlier: records of a training that goes on.
+        """
+        self._started = time.monotonic()
+        if earlier:
+            self.history[:] = earlier
+            self._measured = int(earlier[-1]["iteration"])
+            self._measuring = earlier[-1].get("measuring", 0.0)
+            self._started -= earlier[-1]["seconds"]
 
     def finished(self, network: PolicyNetwork, iteration: int, samples: int = 0) -> bool:
         """Measure if it is time to, tell `progress`, and say whether to stop.
@@ -91,8 +102,8 @@ class Monitor:
             "entropy": entropy,
         }
         self.history.append(record)
-        if self._progress is not None:
-            self._progress(record)
+        note = f"success {result.success:.3f}, {result.ratio:.3f} x the shortest paths"
+        self._progress(iteration, config.iterations, note)
         if self._inspect is not None:
             self._inspect(record, tables)
         enough = (

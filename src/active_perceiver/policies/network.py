@@ -13,6 +13,7 @@ from active_perceiver.envs.observations import Observations
 from active_perceiver.errors import SearchError
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.training_task import TrainingTask
+from active_perceiver.utils.sections import section
 from active_perceiver.vision.location import GRID
 
 TABLE_STATES = 512
@@ -123,9 +124,10 @@ class PolicyNetwork(nn.Module):
             Log probabilities (n, T, A) and values (n, T).
         """
         view_part, target_part, mask_part = self.fusion.weight.split([self.hidden, self.hidden, GRID * GRID], dim=1)
-        from_view = self._embed("view", views) @ view_part.T
-        from_target = self._embed("target", targets) @ target_part.T + self.fusion.bias
-        return self._decide(from_view[:, None] + from_target + masks @ mask_part.T, branch)
+        with section("forward"):
+            from_view = self._embed("view", views) @ view_part.T
+            from_target = self._embed("target", targets) @ target_part.T + self.fusion.bias
+            return self._decide(from_view[:, None] + from_target + masks @ mask_part.T, branch)
 
     def _embed(self, label: str, features: Tensor) -> Tensor:
         normal = (features - getattr(self, f"{label}_mean")) / getattr(self, f"{label}_scale")

@@ -17,42 +17,25 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from active_perceiver.policies.config import PpoConfig, reward_of
-from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
+from active_perceiver.policies.monitor import Monitor
 from active_perceiver.policies.network import PolicyNetwork, picture_tensors, seeded_network
 from active_perceiver.policies.rollouts import Rollout, RolloutWorker, estimate_advantages
 from active_perceiver.policies.training_task import TrainingTask
+from active_perceiver.utils.sections import section
 
 
-def train_ppo(
-    training_tasks: Sequence[TrainingTask],
-    config: PpoConfig,
-    progress: Progress | None = None,
-    inspect: Inspect | None = None,
-) -> tuple[PolicyNetwork, list[Record]]:
-    """Train a policy for one or several scenes.
-
-    Args:
-        training_tasks: one per scene, with features of one backbone.
-        config: see `PpoConfig`.
-        progress: is called with every record of the history.
-        inspect: is shown every record with the policy tables it measures.
-
-    Returns:
-        The network and the history, see `Monitor`.
-
-    Raises:
-        SearchError: if there are no problems, or they do not go together.
-    """
+def train_ppo(training_tasks: Sequence[TrainingTask], config: PpoConfig, monitor: Monitor) -> PolicyNetwork:
+    """Train a policy by PPO; see `Learner.train`."""
     network = seeded_network(training_tasks, config)
     rng = np.random.default_rng(config.seed)
     optimiser = torch.optim.Adam(network.parameters(), lr=config.learning_rate, fused=True)
-    monitor = Monitor(training_tasks, config, progress, inspect)
     share = -(-config.num_envs // len(training_tasks))
     workers = [
         RolloutWorker(training_task.task, share, reward_of(config), config.max_steps, rng)
         for training_task in training_tasks
     ]
     samples = 0
+    monitor.start()
     for iteration in range(config.iterations):
         optimiser.param_groups[0]["lr"] = config.learning_rate_at(iteration)
         scenes = _collect(network, training_tasks, workers, config, rng)
@@ -65,12 +48,14 @@ def train_ppo(
                     for scene, states in zip(scenes, parts, strict=True)
                 ]
                 optimiser.zero_grad()
-                torch.stack(losses).mean().backward()
+                with section("backward"):
+                    torch.stack(losses).mean().backward()
                 torch.nn.utils.clip_grad_norm_(network.parameters(), config.max_grad_norm)
-                optimiser.step()
+                with section("optimiser"):
+                    optimiser.step()
         if monitor.finished(network, iteration + 1, samples):
             break
-    return network, monitor.history
+    return network
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +149,9 @@ def _collect(
         tensors = picture_tensors(training_task, pictures)
         with torch.no_grad():
             log_policy, values = network.table(*tensors, training_task.task.scene)
-        rollout = worker.run(log_policy.exp().numpy(), config.num_steps)
+        table = log_policy.exp().numpy()
+        with section("rollouts"):
+            rollout = worker.run(table, config.num_steps)
         shown.append((training_task.task.scene, *tensors, log_policy))
         rollouts.append(rollout)
         estimates.append(estimate_advantages(rollout, values.numpy(), config.gamma, config.gae_lambda))

@@ -15,14 +15,13 @@ from active_perceiver.recognition.network import RecogniserNetwork
 from active_perceiver.recognition.pairs import ABSENT, IGNORE_INDEX, PRESENT, Annotations, Split
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.utils.prefetch import prefetch_batches
+from active_perceiver.utils.progress import ProgressCallback, quiet
 from active_perceiver.vision.backbone import BATCH, Backbone
 
 # An object of which less is left in a copy of a view counts neither as there nor as absent.
 LEAST_KEPT = 0.5
 # What is cut out of a view to be a target picture must have covered so much of it, or it is only a blur.
 SMALLEST_CROP = 0.006
-
-Report = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -77,7 +76,7 @@ def make_augmented(
     split: Split,
     config: AugmentationConfig,
     rng: np.random.Generator,
-    report: Report | None = None,
+    progress: ProgressCallback = quiet,
 ) -> AugmentedData:
     """Make further material from what is not held out.
 
@@ -89,7 +88,7 @@ def make_augmented(
         split: what is held out: nothing is made from it.
         config: how much.
         rng: draws all changes.
-        report: called with the number of images done and of all.
+        progress: called with the number of images done and of all.
     """
     size = backbone.image_size
     first_view = np.cumsum([0] + [len(scene) for scene in scenes])
@@ -112,8 +111,7 @@ def make_augmented(
         for image in images:
             yield image
             done += 1
-            if report is not None:
-                report(done, total)
+            progress(done, total, "further views and pictures")
 
     boxes = np.zeros((len(originals), *data.boxes.shape[1:]), np.float32)
     states = np.full(boxes.shape[:2], IGNORE_INDEX, np.int8)

@@ -19,9 +19,10 @@ from active_perceiver.recognition.metrics import RecognitionMetrics
 from active_perceiver.recognition.network import RecogniserNetwork
 from active_perceiver.recognition.pairs import Annotations, Split
 from active_perceiver.recognition.recogniser import RecogniserError
-from active_perceiver.recognition.train import Progress, RecogniserConfig, prepared, train_recogniser, using_threads
+from active_perceiver.recognition.train import RecogniserConfig, prepared, train_recogniser, using_threads
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.utils.files import replacing
+from active_perceiver.utils.progress import ProgressCallback, part_of, quiet
 from active_perceiver.vision.cache import SceneFeatures
 
 
@@ -112,7 +113,7 @@ def cross_validate(
     features: SceneFeatures,
     config: RecogniserConfig,
     folds: int = 5,
-    progress: Progress | None = None,
+    progress: ProgressCallback = quiet,
 ) -> CrossValidated:
     """Judge every view of a scene by a recogniser that was trained without any view of its place.
 
@@ -140,7 +141,7 @@ def cross_validate(
     for fold in range(folds):
         held_out = fold_of_view == fold
         trained = train_recogniser(
-            [scene], [features], config, _later(progress, fold * config.steps, folds * config.steps), [held_out]
+            [scene], [features], config, part_of(progress, fold * config.steps, folds * config.steps), [held_out]
         )
         with using_threads(config.threads):
             scores[held_out], boxes[held_out] = _detect(trained.network, features, held_out)
@@ -172,11 +173,6 @@ def _detect(
     logits, boxes = evaluate_pairs(network, prepared(network.prepare, features.view_maps[views]), asked)
     shape = (len(logits), *targets.shape[:2])
     return sigmoid(logits).reshape(shape), boxes.reshape(*shape, 4)
-
-
-def _later(progress: Progress | None, before: int, total: int) -> Progress | None:
-    """Progress of one training as a part of several."""
-    return None if progress is None else lambda step, _, loss: progress(before + step, total, loss)
 
 
 def _measure_all(scene: Scene, judged: CrossValidated, config: RecogniserConfig) -> dict[str, RecognitionMetrics]:

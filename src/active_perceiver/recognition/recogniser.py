@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 from active_perceiver.errors import UserError
 from active_perceiver.vision.cache import SceneFeatures
 from active_perceiver.vision.sessions import ModelFileError, open_session
+
+if TYPE_CHECKING:
+    # It draws with a library that a robot needs not have.
+    from active_perceiver.utils.progress import ProgressCallback
 
 # Pairs of a view and a target that go through the network together: enough to keep the cores busy, little memory.
 PAIRS = 64
@@ -175,7 +179,7 @@ def detect_table(
     recogniser: Recogniser,
     features: SceneFeatures,
     targets: NDArray[np.integer] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: ProgressCallback | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Look for targets of a scene in all its views, asked for with each of their pictures.
 

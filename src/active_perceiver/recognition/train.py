@@ -14,7 +14,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from active_perceiver.recognition.augmentation import AugmentationConfig, Report, make_augmented
+from active_perceiver.recognition.augmentation import AugmentationConfig, make_augmented
 from active_perceiver.recognition.calibration import calibrate_split
 from active_perceiver.recognition.export import export_recogniser, recogniser_onnx, save_network
 from active_perceiver.recognition.metrics import SMALLEST_AREA, RecognitionMetrics
@@ -24,6 +24,7 @@ from active_perceiver.recognition.pretrained import pretrained_network
 from active_perceiver.recognition.recogniser import Recogniser, RecogniserError
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.utils.ema import ema_weights
+from active_perceiver.utils.progress import ProgressCallback, quiet
 from active_perceiver.vision.backbone import Backbone
 from active_perceiver.vision.cache import SceneFeatures
 
@@ -31,8 +32,6 @@ from active_perceiver.vision.cache import SceneFeatures
 FIT_VIEWS = 100
 PREPARE_BATCH = 32
 NO_AUGMENTATION = AugmentationConfig(views=0, pictures=0, crops=0)
-
-Progress = Callable[[int, int, float], None]
 
 
 @dataclass(frozen=True)
@@ -156,10 +155,9 @@ def train_recogniser(
     scenes: Sequence[Scene],
     features: Sequence[SceneFeatures],
     config: RecogniserConfig | None = None,
-    progress: Progress | None = None,
+    progress: ProgressCallback = quiet,
     held_out: Sequence[NDArray[np.bool_]] | None = None,
     backbone: Backbone | None = None,
-    further_progress: Report | None = None,
 ) -> TrainedRecogniser:
     """Train on all annotated targets of some scenes; the scenes say which of their pictures are kept for judging.
 
@@ -167,11 +165,10 @@ def train_recogniser(
         scenes: with boxes and target pictures.
         features: of the scenes, in the same order, by one backbone.
         config: how; None for the default.
-        progress: called after every update with its number, the number of all, and a running mean of the loss.
+        progress: told of every image of further material, then of every update with a running mean of the loss.
         held_out: for each scene the (S,) bool mask of the views that are kept for judging, all or none of a place;
             None to draw the fraction of the places that `config` says.
         backbone: that made the features; without it there is neither further material nor a pretrained start.
-        further_progress: called with the number of images of further material made and of all.
 
     Raises:
         RecogniserError: if scenes, features and views to hold out do not fit, or no target is visible anywhere.
@@ -182,7 +179,7 @@ def train_recogniser(
     started = time.monotonic()
     with using_threads(config.threads), torch.random.fork_rng(devices=[]):
         torch.manual_seed(config.seed)
-        return _train(scenes, features, config, held_out, backbone, (progress, further_progress), started)
+        return _train(scenes, features, config, held_out, backbone, progress, started)
 
 
 @contextmanager
@@ -225,7 +222,7 @@ def _train(
     config: RecogniserConfig,
     held_out: Sequence[NDArray[np.bool_]] | None,
     backbone: Backbone | None,
-    progress: tuple[Progress | None, Report | None],
+    progress: ProgressCallback,
     started: float,
 ) -> TrainedRecogniser:
     rng = np.random.default_rng(config.seed)
@@ -258,11 +255,11 @@ def _train(
         # A short training would not see more copies than that.
         most = config.steps * config.views // 8
         wanted = replace(config.augmentation, views=min(config.augmentation.views, most))
-        augmented = make_augmented(scenes, backbone, network, data, split, wanted, rng, progress[1])
+        augmented = make_augmented(scenes, backbone, network, data, split, wanted, rng, progress)
         everything = augmented.added_to(data, split)
         sampler = PairSampler(*everything, config.present, rng, augmented.counts, config.own_pictures)
         material = torch.cat([views, augmented.views]), torch.cat([pictures, augmented.pictures], dim=1)
-    network = _optimise(network.train(), *material, noise, sampler, config, progress[0]).eval()
+    network = _optimise(network.train(), *material, noise, sampler, config, progress).eval()
     threshold, metrics = calibrate_split(network, views, pictures, data, split, config.most_false)
     ends = np.cumsum([len(scene) for scene in scenes])[:-1]
     return TrainedRecogniser(
@@ -300,7 +297,7 @@ def _optimise(
     noise: tuple[float, ...],
     sampler: PairSampler,
     config: RecogniserConfig,
-    progress: Progress | None,
+    progress: ProgressCallback,
 ) -> RecogniserNetwork:
     """Train a network; what is returned is the running mean of its weights."""
     weights = list(network.parameters())
@@ -336,8 +333,7 @@ def _optimise(
         schedule.step()
         averaged.update_parameters(network)
         mean_loss = loss.item() if step == 1 else 0.98 * mean_loss + 0.02 * loss.item()
-        if progress is not None:
-            progress(step, config.steps, mean_loss)
+        progress(step, config.steps, f"loss {mean_loss:.3f}")
     return cast(RecogniserNetwork, averaged.module)
 
 

@@ -176,12 +176,7 @@ class Cells:
         checkpoint = self._path(cell, "checkpoint")
         checkpoint.parent.mkdir(parents=True, exist_ok=True)
         with progress_bar(cell.name[:30]) as report:
-
-            def progress(record: dict[str, float]) -> None:
-                note = f"success {record['success']:.2f}, {record['mean_steps']:.0f} steps"
-                report(int(record["iteration"]), config.iterations, note)
-
-            network, history = LEARNERS[cell.learner].train(training_tasks, config, progress, inspect, checkpoint)
+            network, history = LEARNERS[cell.learner].train(training_tasks, config, report, inspect, checkpoint)
         moments["end"] = [task_table(network, training_task)[0] for training_task in training_tasks]
         moments.setdefault("middle", moments["end"])
         return moments, history

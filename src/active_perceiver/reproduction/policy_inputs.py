@@ -77,10 +77,7 @@ class PolicyInputs:
             path = self._folder / f"{name}-{self.fingerprint(name, 'recogniser')}.npz"
             if not path.exists():
                 with progress_bar(f"{self._folds} recognisers of {name}") as report:
-                    made = cross_validate(
-                        scene, features, self._recogniser, self._folds,
-                        lambda step, total, loss: report(step, total, f"loss {loss:.3f}"),
-                    )  # fmt: skip
+                    made = cross_validate(scene, features, self._recogniser, self._folds, report)
                 made.save(path)
             self._detections[name] = CrossValidated.load(path)
         return self._detections[name]

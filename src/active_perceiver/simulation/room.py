@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from active_perceiver.capture.rendered.capture_scene import look
 from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig
 from active_perceiver.capture.rendered.render import origin_of
 from active_perceiver.scenes import bundled_names, open_scene
-from active_perceiver.utils.progress import ProgressCallback, progress_bar
+from active_perceiver.utils.progress import ProgressBar, progress_bar
 from indoor_rooms.free_space import clearance, free_positions
 from indoor_rooms.layouts import LAYOUTS, LayoutError, make_room
 from indoor_rooms.perturb import perturbed
@@ -85,7 +84,7 @@ def open_room(
     nudge: float = 0.0,
     seed: int = 0,
     faults: CameraFaults | None = WEBCAM,
-    progress: Callable[[str], AbstractContextManager[ProgressCallback]] = progress_bar,
+    progress: ProgressBar = progress_bar,
 ) -> LiveRoom:
     """Furnish a room and compute its light, which takes some seconds.
 

@@ -124,16 +124,9 @@ def train_policy(
     started = time.monotonic()
     checkpoint = work / "policy.checkpoint"
     with progress_bar(f"policy by {settings.learner}") as report:
-        network, history = LEARNERS[settings.learner].train(
-            training_tasks, config, lambda record: report(*_progress(record, config)), checkpoint=checkpoint
-        )
+        network, history = LEARNERS[settings.learner].train(training_tasks, config, report, checkpoint=checkpoint)
     seconds["policy"] = time.monotonic() - started
     export_policy(network, work / "policy.onnx", force=True)
     save_network(network, work / "policy.safetensors", force=True)
     checkpoint.unlink(missing_ok=True)
     return history
-
-
-def _progress(record: dict[str, float], config: LearnerConfig) -> tuple[int, int, str]:
-    note = f"success {record['success']:.3f}, {record['ratio']:.3f} x the shortest paths"
-    return int(record["iteration"]), config.iterations, note

@@ -187,9 +187,8 @@ def train_scene_recogniser(
             scenes,
             features,
             config,
-            lambda step, total, loss: report(step, total, f"loss {loss:.3f}"),
+            report,
             backbone=backbone,
-            further_progress=lambda done, total: report(done, total, "making further views and pictures"),
         )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from typing import Protocol
 
 from rich.console import Console
@@ -16,6 +16,9 @@ class ProgressCallback(Protocol):
     def __call__(self, done: int, total: int, note: str = "") -> None:
         """Report progress."""
 
+
+ProgressBar = Callable[[str], AbstractContextManager[ProgressCallback]]
+"""Opens a bar with a label, and gives what is called as the work goes on; `progress_bar` is one."""
 
 # Progress goes to standard error: standard output is for results. A log file has no width; lines get room there.
 console = Console(stderr=True)
@@ -46,6 +49,11 @@ def progress_bar(label: str) -> Iterator[ProgressCallback]:
         yield report
         if not reported:
             bar.update(task, completed=1, note="nothing left to do")
+
+
+def part_of(progress: ProgressCallback, before: int, total: int) -> ProgressCallback:
+    """Progress of work that is a part of other work, `before` of whose `total` pieces are done when it begins."""
+    return lambda done, _, note="": progress(before + done, total, note)
 
 
 def quiet(done: int, total: int, note: str = "") -> None:

@@ -10,6 +10,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +20,12 @@ from active_perceiver.scenes.scene import Scene
 from active_perceiver.utils.files import replacing
 from active_perceiver.vision.backbone import BATCH, Backbone, cache_folder, pooled, pooled_middle
 
+if TYPE_CHECKING:
+    # It draws with a library that a robot needs not have.
+    from active_perceiver.utils.progress import ProgressCallback
+
 # Part of every file's name: to be raised when the same key would mean other content.
 VERSION = 1
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +52,7 @@ class SceneFeatures:
     backbone: str
 
 
-def scene_features(scene: Scene, backbone: Backbone, progress: Progress | None = None) -> SceneFeatures:
+def scene_features(scene: Scene, backbone: Backbone, progress: ProgressCallback | None = None) -> SceneFeatures:
     """The feature maps of a scene, from the cache if they are there.
 
     Files are named after the content of the images and of the backbone, appear whole or not at all, and are made
@@ -75,7 +78,7 @@ def scene_features(scene: Scene, backbone: Backbone, progress: Progress | None =
     missing = [file for file in (targets, views) if file.load() is None]
     total, done = sum(file.count for file in missing), 0
     for file in missing:
-        file.compute(lambda count, before=done: progress and progress(before + count, total))  # type: ignore[misc]
+        file.compute(lambda count, before=done: progress(before + count, total) if progress else None)  # type: ignore[misc]
         done += file.count
     view_maps, view_features = views.content()
     picture_maps, _ = targets.content()

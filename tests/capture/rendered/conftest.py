@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from active_perceiver.capture.rendered import kept_work
+from active_perceiver.parallel.executor import SerialExecutor
+from active_perceiver.parallel.process_pool import ProcessExecutor
 from indoor_rooms.renderer import compiled
 
 
@@ -14,12 +15,7 @@ from indoor_rooms.renderer import compiled
 def small_work() -> Iterator[pytest.MonkeyPatch]:
     """Few triangles and no processes: work is done where it can be watched. Yields what else may patch the module."""
 
-    def run_here(work, shared, jobs, workers, progress):  # type: ignore[no-untyped-def]
-        for number, job in enumerate(jobs, 1):
-            work(shared, job)
-            progress(number, len(jobs))
-
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compiled, "MAX_TRIANGLES", 2000)
-        patch.setattr(kept_work, "run_parallel", run_here)
+        patch.setattr(ProcessExecutor, "map", SerialExecutor.map)
         yield patch

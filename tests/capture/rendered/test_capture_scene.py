@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 from dataclasses import replace
 from typing import Any
 
@@ -13,10 +11,9 @@ import pytest
 from active_perceiver.capture.rendered import capture_scene as capture_module
 from active_perceiver.capture.rendered.capture_scene import boxes_from_mask, capture
 from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig, CaptureError
-from active_perceiver.parallel.process_pool import WorkerError, run_parallel
+from active_perceiver.parallel.process_pool import ProcessExecutor
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Scene
 from active_perceiver.scenes.lattice import islands, lattice_poses, lattice_transitions
-from active_perceiver.utils.progress import quiet
 from box_room import DEPTH, TABLE, WIDTH, box_room
 from indoor_rooms.free_space import free_positions, without_collisions
 from indoor_rooms.renderer.camera import render
@@ -117,7 +114,7 @@ def scenes() -> tuple[Scene, Scene]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(capture_module, "SETUPS", 1)
         patch.setattr(capture_module, "HELD_OUT", 1)
-        one, two = (capture(box_room(), SMALL, seed=5, workers=workers) for workers in (1, 2))
+        one, two = (capture(box_room(), SMALL, seed=5, executor=ProcessExecutor(workers)) for workers in (1, 2))
     return one, two
 
 
@@ -165,17 +162,3 @@ def test_unknown_targets_are_named() -> None:
         capture(replace(box_room(), targets={"teapot": "pot"}), SMALL)
     with pytest.raises(TargetError, match="no targets"):
         capture(replace(box_room(), targets={}), SMALL)
-
-
-def multiply(factor: int, job: int) -> int:
-    if job < 0:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return factor * job
-
-
-def test_parallel_work_keeps_order_and_reports_death() -> None:
-    assert run_parallel(multiply, 3, [1, 2, 3], 1, quiet) == [3, 6, 9]
-    with pytest.raises(WorkerError, match="was killed"):
-        run_parallel(multiply, 3, [1, -1, 2], 1, quiet)
-    with pytest.raises(WorkerError, match="at least 1"):
-        run_parallel(multiply, 3, [1], 0, quiet)

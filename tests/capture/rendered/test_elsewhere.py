@@ -16,6 +16,7 @@ from active_perceiver.capture.rendered.elsewhere import render_elsewhere
 from active_perceiver.capture.rendered.other_rooms import OtherRoom, shared_out
 from active_perceiver.capture.rendered.vantage import LEAST_AREA, ROUGH_MARGIN, Eye, poses_towards, rough_mask
 from active_perceiver.cli.main import main
+from active_perceiver.parallel.run_store import RunStoreError
 from active_perceiver.scenes import Scene, SceneError, load_scene, save_scene
 from active_perceiver.scenes.checking import scene_issues
 from active_perceiver.utils.files import OutputExistsError
@@ -102,7 +103,7 @@ def test_an_interruption_changes_nothing(
     assert not out.exists()
     with pytest.raises(OutputExistsError, match="--resume"):
         render_elsewhere(searched, out, **asked)
-    with pytest.raises(CaptureError, match="other settings"):
+    with pytest.raises(RunStoreError, match="other settings"):
         render_elsewhere(searched, out, resume=True, **{**asked, "pictures": 6})
     calls[:] = [1] * 4
     render_elsewhere(searched, out, resume=True, **asked)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,11 +10,12 @@ import pytest
 
 from active_perceiver.capture.rendered import capture_scene as capture_module
 from active_perceiver.capture.rendered import render as rendering
-from active_perceiver.capture.rendered.capture_store import CaptureStore
 from active_perceiver.capture.rendered.config import CaptureConfig, CaptureError
 from active_perceiver.capture.rendered.render import Timing, render_scene, render_scenes, room_fingerprint
 from active_perceiver.cli.main import main
 from active_perceiver.errors import UserError
+from active_perceiver.parallel import run_store
+from active_perceiver.parallel.run_store import RunStoreError
 from active_perceiver.scenes import TURTLEBOT_ACTIONS, load_scene
 from active_perceiver.utils.files import OutputExistsError
 from box_room import box_room
@@ -155,23 +155,23 @@ def test_an_interrupted_rendering_is_neither_lost_nor_mixed(
 ) -> None:
     with pytest.raises(OutputExistsError, match=r"--resume .* --force"):
         render_scene("kitchen", 5, interrupted, settings=SMALL)
-    with pytest.raises(CaptureError, match="other settings"):
+    with pytest.raises(RunStoreError, match="other settings"):
         render_scene("kitchen", 6, interrupted, settings=SMALL, resume=True)
-    with pytest.raises(CaptureError, match="other settings"):
+    with pytest.raises(RunStoreError, match="other settings"):
         render_scene("kitchen", 5, interrupted, settings=replace(SMALL, fov=80.0), resume=True)
     with monkeypatch.context() as patch:
-        patch.setattr(rendering, "__version__", "99")
-        with pytest.raises(CaptureError, match="other settings"):
+        patch.setattr(run_store, "__version__", "99")
+        with pytest.raises(RunStoreError, match="other settings"):
             render_scene("kitchen", 5, interrupted, settings=SMALL, resume=True)
     with monkeypatch.context() as patch:
         other = replace(box_room(), name="kitchen_5", sky=(0.0, 0.1, 0.0))
         patch.setattr(rendering, "make_room", lambda *_, **__: other)
-        with pytest.raises(CaptureError, match="other settings"):
+        with pytest.raises(RunStoreError, match="other settings"):
             render_scene("kitchen", 5, interrupted, settings=SMALL, resume=True)
     part = interrupted.with_name("box.h5.part")
     assert len(list(part.glob("view-*"))) == 5
     (part / "settings.json").write_text("{")
-    with pytest.raises(CaptureError, match="other settings"):
+    with pytest.raises(RunStoreError, match="other settings"):
         render_scene("kitchen", 5, interrupted, settings=SMALL, resume=True)
     render_scene("kitchen", 5, interrupted, settings=SMALL, force=True)
     assert interrupted.read_bytes() == whole.read_bytes()
@@ -191,25 +191,6 @@ def test_what_is_no_rendering_is_not_touched(tmp_path: Path) -> None:
         with pytest.raises(OutputExistsError, match="will not be replaced"):
             render_scene("kitchen", 5, tmp_path / "box.h5", settings=SMALL, **options)
     assert (part / "diary.txt").read_text() == "dear diary"
-
-
-def test_a_rendering_killed_while_it_noted_its_settings_is_begun_anew(tmp_path: Path) -> None:
-    (tmp_path / "box.h5.part").mkdir()
-    (tmp_path / "box.h5.part" / ".settings.json.xyz.part.json").write_text("{")
-    store = CaptureStore.begin(tmp_path / "box.h5.part", {"seed": 1})
-    assert json.loads((store.folder / "settings.json").read_text()) == {"seed": 1}
-
-
-def test_pieces_are_whole_or_not_there(tmp_path: Path) -> None:
-    store = CaptureStore(tmp_path / "store")
-    store.save("one", image=np.arange(5, dtype=np.uint8), exposure=np.asarray(0.5))
-    loaded = store.loaded("one")
-    np.testing.assert_array_equal(loaded["image"], np.arange(5))
-    assert loaded["exposure"] == 0.5
-    np.savez(store.folder / "two.npz", evil=np.array([print], object))
-    assert store.missing(["two", "one", "three"]) == [0, 2]  # nothing is unpickled
-    with pytest.raises(CaptureError, match="--resume"):
-        store.loaded("three")
 
 
 def test_refused_before_anything_is_rendered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,7 @@ from active_perceiver.capture.rendered.config import CaptureConfig, CaptureError
 from active_perceiver.capture.rendered.photographs import PhotographConfig, take_photographs
 from active_perceiver.cli.main import main
 from active_perceiver.datasets.photos.reader import PhotoConfig, import_photos
+from active_perceiver.parallel.run_store import RunStoreError
 from active_perceiver.utils.files import OutputExistsError
 from box_room import box_room
 from indoor_rooms.renderer import compiled
@@ -119,7 +120,7 @@ def test_work_begun_otherwise_is_not_gone_on_with(tmp_path: Path, monkeypatch: p
     others: list[dict[str, Any]] = [{"seed": 2}, {"places": 2}]
     others += [{"photographer": replace(PHOTOGRAPHER, **change)} for change in ({"width": 64}, {"error_cm": 0.0})]
     for other in others:
-        with pytest.raises(CaptureError, match="begun with other settings"):
+        with pytest.raises(RunStoreError, match="begun with other settings"):
             take(folder, resume=True, **other)
         assert content(tmp_path) == before
 
@@ -201,7 +202,7 @@ def test_another_folder_is_not_taken_for_interrupted_work(tmp_path: Path) -> Non
     part.mkdir()
     (part / "thesis.tex").write_text("precious")
     for options in ({}, {"force": True}, {"resume": True}):
-        with pytest.raises(OutputExistsError, match="no interrupted rendering"):
+        with pytest.raises(OutputExistsError, match="no interrupted run"):
             take(tmp_path / "photos", **options)
     assert content(tmp_path) == {"photos.part/thesis.tex": b"precious"}
 

@@ -15,15 +15,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from PIL import Image
 
 from active_perceiver.agent.config import AgentConfig
 from active_perceiver.benchmarks.act.report import format_act_speed, time_bars
 from active_perceiver.benchmarks.act.worker import PARTS
 from active_perceiver.benchmarks.config import ActSpeedConfig
-from active_perceiver.benchmarks.outputs import check_outputs, write_outputs
+from active_perceiver.benchmarks.runner import Benchmark, Body
 from active_perceiver.errors import UserError
 from active_perceiver.figures.speed import parts_figure
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
@@ -45,29 +47,32 @@ class _Subject:
     weights: str
 
 
-def act_speed_command(
-    settings: ActSpeedConfig, out: Path | None = None, picture: Path | None = None, *, force: bool = False
-) -> dict[str, Any]:
-    """Measure, print tables, write the result and the picture if they are asked for.
+@dataclass(frozen=True)
+class ActBenchmark(Benchmark):
+    """How long one action takes."""
 
-    Returns:
-        The body of the result file, see `measure_act_speed`.
+    name = "act"
+    settings: ActSpeedConfig
 
-    Raises:
-        OutputExistsError: if a file exists and `force` is false.
-        SceneError: if there is no such scene.
-        UserError: if the settings contradict each other, the agent cannot be used, or torch is needed to make one
-            and is not there.
-    """
-    check_outputs(force, out, picture)
-    with progress_bar("processes") as report:
-        body = measure_act_speed(settings, report)
-    print(format_act_speed(body))
-    write_outputs("benchmark act", body, out, picture, lambda: parts_figure(time_bars(body)))
-    return body
+    def prepare(self) -> None:
+        """See `Benchmark`."""
+        _check(self.settings)
+
+    def measure(self, store: RunStore) -> Body:
+        """See `measure_act_speed`."""
+        with progress_bar("processes") as report:
+            return measure_act_speed(self.settings, report)
+
+    def report(self, body: Body) -> str:
+        """See `format_act_speed`."""
+        return format_act_speed(body)
+
+    def figure(self, body: Body) -> Figure:
+        """Where the time of an action goes."""
+        return parts_figure(time_bars(body))
 
 
-def measure_act_speed(settings: ActSpeedConfig, progress: ProgressCallback = quiet) -> dict[str, Any]:
+def measure_act_speed(settings: ActSpeedConfig, progress: ProgressCallback = quiet) -> Body:
     """Time actions in fresh processes, one after the other.
 
     Args:
@@ -80,7 +85,6 @@ def measure_act_speed(settings: ActSpeedConfig, progress: ProgressCallback = qui
         seconds of its parts and the whole, "peak_memory_gib", "torch_imported", "torch": the same of the backbone
         run eagerly by torch, None if it is not installed}. Means of the parts and the rest add up to the whole's.
     """
-    _check(settings)
     scene = open_scene(settings.scene)
     scene.require_targets()
     actions = []

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from active_perceiver.utils.memory import peak_memory
+from active_perceiver.utils.sections import listening
 
 PARTS = ("decoding", "backbone", "recogniser", "policy")
 # After so many actions a new search begins: about as long as searches are.
@@ -40,15 +41,13 @@ def run_agent(
         "import", which includes starting the interpreter, "load", "reset" and "first action"; "peak_memory_gib";
         "torch": whether anything imported it.
     """
-    from active_perceiver.agent import active_search, perceiver
-    from active_perceiver.goals import ObjectGoal
+    from active_perceiver.agent.perceiver import ActivePerceiver
     from active_perceiver.scenes import read_image
 
-    agent_seconds: dict[str, float] = {}
     imported = time.time()
     data = [Path(frame).read_bytes() for frame in frames]
     started = time.perf_counter()
-    agent = perceiver.ActivePerceiver.from_pretrained(folder, threads)
+    agent = ActivePerceiver.from_pretrained(folder, threads)
     branch = next(iter(agent.config.branches))
     loaded = time.perf_counter()
     agent.reset(read_image(picture), branch, seed=0)
@@ -61,24 +60,24 @@ def run_agent(
         "reset": begun - loaded,
         "first action": acted - begun,
     }
-    parts: tuple[tuple[str, Any, str], ...] = (
-        ("decoding", active_search, "decode_image"),
-        ("backbone", agent.backbone, "maps"),
-        ("recogniser", ObjectGoal, "observe"),
-        ("policy", agent.policy, "probabilities"),
-    )
-    for part, owner, method in parts:
-        setattr(owner, method, _timed(getattr(owner, method), agent_seconds, part))
-    seconds: Seconds = {part: [] for part in (*PARTS, "whole")}
+    times: Seconds = {part: [] for part in (*PARTS, "whole")}
+
+    # What an action leaves out takes no time in it.
+    spent: dict[str, float] = {}
+
+    def hear(name: str, seconds: float) -> None:
+        spent[name] = spent.get(name, 0.0) + seconds
+
     for number in range(repeats):
         if number % _ACTIONS == 0:
             agent.reset(read_image(picture), branch, seed=number)
-        started = time.perf_counter()
-        agent.act(data[number % len(data)])
-        agent_seconds["whole"] = time.perf_counter() - started
-        for part, times in seconds.items():
-            times.append(agent_seconds[part])
-    return _result(seconds, cold)
+        with listening(hear):
+            started = time.perf_counter()
+            agent.act(data[number % len(data)])
+            spent["whole"] = time.perf_counter() - started
+        for part, each in times.items():
+            each.append(spent.pop(part, 0.0))
+    return _result(times, cold)
 
 
 def run_torch(
@@ -115,18 +114,6 @@ def run_torch(
         maps(images[number % len(images)])
         seconds["backbone"].append(time.perf_counter() - started)
     return _result(seconds, cold)
-
-
-def _timed(function: Callable[..., Any], seconds: dict[str, float], part: str) -> Callable[..., Any]:
-    """The function, noting how long its last call took."""
-
-    def run(*arguments: Any) -> Any:
-        started = time.perf_counter()
-        result = function(*arguments)
-        seconds[part] = time.perf_counter() - started
-        return result
-
-    return run
 
 
 def _result(seconds: Seconds, cold: dict[str, float]) -> dict[str, Any]:

@@ -5,22 +5,25 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from gymnasium.vector import SyncVectorEnv
 from gymnasium.vector.vector_env import VectorEnv
+from matplotlib.figure import Figure
 
-from active_perceiver.benchmarks.outputs import check_outputs, write_outputs
+from active_perceiver.benchmarks.config import EnvSpeedConfig
+from active_perceiver.benchmarks.env.report import format_env_speed, speed_curves
+from active_perceiver.benchmarks.runner import Benchmark, Body
 from active_perceiver.envs import REWARDS, Observations, SearchEnv, Searches, SearchTask, SearchVectorEnv
 from active_perceiver.errors import UserError
 from active_perceiver.figures.speed import speed_figure
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
 
-COUNTS = (1, 16, 64, 256, 1024)
 FEATURES = 672
 """Backbone features of a view, as many as EfficientNet-Lite0's."""
 ROUNDS = 5
@@ -32,36 +35,36 @@ _DRAWN = 4096
 Step = Callable[[], object]
 
 
-def env_speed_command(
-    scene: str,
-    seconds: float,
-    counts: Sequence[int] = COUNTS,
-    out: Path | None = None,
-    picture: Path | None = None,
-    *,
-    force: bool = False,
-) -> dict[str, Any]:
-    """Measure, print a table, write the result and the picture if they are asked for.
+@dataclass(frozen=True)
+class EnvBenchmark(Benchmark):
+    """Environment steps per second."""
 
-    Returns:
-        The body of the result file, see `measure_env_speed`.
+    name = "env"
+    settings: EnvSpeedConfig
 
-    Raises:
-        OutputExistsError: if a file exists and `force` is false.
-        SceneError: if there is no such scene.
-        UserError: if `seconds` or `counts` make no sense.
-    """
-    check_outputs(force, out, picture)
-    opened = open_scene(scene)
-    with progress_bar("speeds") as report:
-        body = measure_env_speed(opened, seconds, counts, report)
-    print(format_env_speed(body))
-    write_outputs("benchmark env", body, out, picture, lambda: speed_figure(_curves(body)))
-    return body
+    def prepare(self) -> None:
+        """See `Benchmark`."""
+        seconds, counts = self.settings.seconds, self.settings.counts
+        if seconds <= 0 or not counts or min(counts) < 1:
+            raise UserError(f"time and numbers of searches must be positive, got {seconds} s and {list(counts)}")
+
+    def measure(self, store: RunStore) -> Body:
+        """See `measure_env_speed`."""
+        scene = open_scene(self.settings.scene)
+        with progress_bar("speeds") as report:
+            return measure_env_speed(scene, self.settings.seconds, self.settings.counts, report)
+
+    def report(self, body: Body) -> str:
+        """See `format_env_speed`."""
+        return format_env_speed(body)
+
+    def figure(self, body: Body) -> Figure:
+        """Steps per second over the number of searches."""
+        return speed_figure(speed_curves(body))
 
 
 def measure_env_speed(
-    scene: Scene, seconds: float, counts: Sequence[int] = COUNTS, progress: ProgressCallback = quiet
+    scene: Scene, seconds: float, counts: Sequence[int], progress: ProgressCallback = quiet
 ) -> dict[str, Any]:
     """Steps per second of all environments in one scene, random actions, on one core.
 
@@ -77,12 +80,7 @@ def measure_env_speed(
     Returns:
         "protocol"; "speeds": a list of {"environment", "searches", "steps": how many were timed, "per_second":
         {"median", "least", "most"} of the rounds}.
-
-    Raises:
-        UserError: if `seconds` is not positive or a count is less than 1.
     """
-    if seconds <= 0 or not counts or min(counts) < 1:
-        raise UserError(f"time and numbers of searches must be positive, got {seconds} s and {list(counts)}")
     task = SearchTask.from_scene(scene)
     observations = _random_features(scene, task)
     make = partial(SearchEnv, task=task, observations=observations, max_steps=MAX_STEPS)
@@ -121,27 +119,6 @@ def measure_env_speed(
         "processes": 1,
     }
     return {"protocol": protocol, "speeds": speeds}
-
-
-def format_env_speed(body: dict[str, Any]) -> str:
-    """A table of what `measure_env_speed` found."""
-    protocol = body["protocol"]
-    lines = [
-        f"{protocol['scene']}: {protocol['states']} states, {protocol['targets']} targets, observations of"
-        f" {protocol['features']}; steps per second, all searches together",
-        f"{'environment':18}{'searches':>9}{'median':>13}{'least':>13}{'most':>13}",
-    ]
-    for speed in body["speeds"]:
-        rate = speed["per_second"]
-        lines.append(
-            f"{speed['environment']:18}{speed['searches']:9}"
-            + "".join(f"{rate[key]:13,.0f}" for key in ("median", "least", "most")).replace(",", " ")
-        )
-    lines += [
-        "SearchEnv: Gymnasium, one search. SyncVectorEnv: Gymnasium's, of as many SearchEnv. SearchVectorEnv: this",
-        "project's, with observations. Searches: the stepping below it, without observations, on which PPO trains.",
-    ]
-    return "\n".join(lines)
 
 
 def _random_features(scene: Scene, task: SearchTask) -> Observations:
@@ -206,13 +183,3 @@ def _on_random_actions(step: Callable[[Any], object], actions: int, count: int) 
     rows = np.random.default_rng(0).integers(actions, size=(max(2, _DRAWN // count), count))
     drawn = itertools.cycle(rows)
     return lambda: step(next(drawn))
-
-
-def _curves(body: dict[str, Any]) -> dict[str, list[tuple[int, float, float, float]]]:
-    """By environment: searches; least, median and most steps per second."""
-    curves: dict[str, list[tuple[int, float, float, float]]] = {}
-    for speed in body["speeds"]:
-        rate = speed["per_second"]
-        point = (speed["searches"], rate["least"], rate["median"], rate["most"])
-        curves.setdefault(speed["environment"], []).append(point)
-    return curves

@@ -8,60 +8,58 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from active_perceiver.agent.checksums import check_files
 from active_perceiver.agent.config import AgentConfig
 from active_perceiver.benchmarks.act.measure import run_process, summary_of, write_pictures
-from active_perceiver.benchmarks.act.worker import PARTS
 from active_perceiver.benchmarks.config import ExportBenchmarkConfig
 from active_perceiver.benchmarks.exported.clean_environment import PACKAGES, clean_variables, make_clean_environment
-from active_perceiver.benchmarks.exported.report import format_exported
-from active_perceiver.benchmarks.outputs import check_outputs, write_outputs
+from active_perceiver.benchmarks.exported.report import action_bars, format_exported
+from active_perceiver.benchmarks.runner import Benchmark, Body
 from active_perceiver.deploy.export import export_agent
 from active_perceiver.errors import UserError
 from active_perceiver.figures.speed import parts_figure
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.scenes import open_scene
 from active_perceiver.utils.progress import ProgressCallback, console, progress_bar, quiet
-from active_perceiver.utils.result import to_jsonable
 
 CHECKS = 5
 """The time that comparing checksums takes is the median of so many."""
 
 
-def exported_command(
-    agent: Path,
-    settings: ExportBenchmarkConfig,
-    out: Path | None = None,
-    picture: Path | None = None,
-    *,
-    force: bool = False,
-) -> dict[str, Any]:
-    """Measure, print a table, write the result and the picture if they are asked for.
+@dataclass(frozen=True)
+class ExportBenchmark(Benchmark):
+    """What an exported agent weighs, how fast it is, and what 8-bit numbers do."""
 
-    Args:
-        agent: its folder.
-        settings: what is measured, and how often.
-        out: the JSON file.
-        picture: the PNG file.
-        force: replace existing files.
+    name = "export"
+    agent: Path
+    settings: ExportBenchmarkConfig
 
-    Returns:
-        The body of the result file, see `measure_exported`.
+    def prepare(self) -> None:
+        """See `Benchmark`."""
+        settings = self.settings
+        if min(settings.threads, settings.repeats, settings.starts, settings.searches, *settings.frame) < 1:
+            raise UserError(
+                "threads, repeats, starts, searches and the sides of the camera's pictures must be at least 1"
+            )
 
-    Raises:
-        OutputExistsError: if a file exists and `force` is false.
-        UserError: if the agent or its scenes cannot be used, 8-bit networks cannot be made here, or packages cannot
-            be installed.
-    """
-    check_outputs(force, out, picture)
-    body = to_jsonable(measure_exported(agent, settings))
-    print(format_exported(body))
-    write_outputs("benchmark export", body, out, picture, lambda: parts_figure(_bars(body)))
-    return body
+    def measure(self, store: RunStore) -> Body:
+        """See `measure_exported`."""
+        return measure_exported(self.agent, self.settings)
+
+    def report(self, body: Body) -> str:
+        """See `format_exported`."""
+        return format_exported(body)
+
+    def figure(self, body: Body) -> Figure:
+        """Where the time of an action goes."""
+        return parts_figure(action_bars(body))
 
 
 def measure_exported(agent: Path, settings: ExportBenchmarkConfig) -> dict[str, Any]:
@@ -75,12 +73,9 @@ def measure_exported(agent: Path, settings: ExportBenchmarkConfig) -> dict[str, 
         of its backbone, and of all megabytes.
 
     Raises:
-        UserError: as `exported_command`.
+        UserError: if the agent or its scenes cannot be used, 8-bit networks cannot be made here, or packages cannot
+            be installed.
     """
-    if min(settings.threads, settings.repeats, settings.starts, settings.searches, *settings.frame) < 1:
-        raise UserError(
-            "threads, repeats, starts, searches and the sides of the camera's pictures must be at least 1"
-        )
     config = AgentConfig.load(agent)
     with tempfile.TemporaryDirectory(prefix="active-perceiver-") as name:
         work = Path(name)
@@ -177,10 +172,3 @@ def _evaluated(folder: Path, work: Path, searches: int) -> dict[str, Any]:
     result = json.loads(out.read_text())
     kept = ("overall", "per_target", "unseen_pictures", "detection", "stop_evaluation")
     return {name: result[name] for name in kept if name in result}
-
-
-def _bars(body: dict[str, Any]) -> dict[str, dict[str, dict[str, float]]]:
-    """Median milliseconds of the parts of an action, for each agent."""
-    threads, agents = body["protocol"]["threads"], body["agents"]
-    bars = {label: {part: one["ms"][part]["median"] for part in (*PARTS, "rest")} for label, one in agents.items()}
-    return {f"one action, {threads} thread{'s' if threads > 1 else ''}": bars}

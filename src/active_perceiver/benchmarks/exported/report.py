@@ -54,3 +54,10 @@ def format_exported(body: dict[str, Any]) -> str:
             f"{protocol['starts']} processes of {protocol['repeats']} actions each, on JPEG of {width} x {height}",
         ]
     )
+
+
+def action_bars(body: dict[str, Any]) -> dict[str, dict[str, dict[str, float]]]:
+    """Median milliseconds of the parts of an action, for each agent."""
+    threads, agents = body["protocol"]["threads"], body["agents"]
+    bars = {label: {part: one["ms"][part]["median"] for part in (*PARTS, "rest")} for label, one in agents.items()}
+    return {f"one action, {threads} thread{'s' if threads > 1 else ''}": bars}

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import hashlib
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import PolicyBenchmarkConfig
-from active_perceiver.benchmarks.outputs import check_outputs, write_outputs
 from active_perceiver.benchmarks.policies.report import format_policies, spread_rows, summary
-from active_perceiver.benchmarks.policies.worker import FINE_RATIO, train_and_measure
+from active_perceiver.benchmarks.policies.worker import FINE_RATIO, PolicyTraining, train_and_measure
+from active_perceiver.benchmarks.runner import Benchmark, Body
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.evaluate import agent_detections, with_query_pictures
 from active_perceiver.figures.policies_spread import policies_spread
-from active_perceiver.parallel.run_store import check_resume, kept_runs
+from active_perceiver.parallel.executor import Executor
+from active_perceiver.parallel.fresh_process import FreshProcessExecutor
+from active_perceiver.parallel.run_missing import records_of
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.learners import learner_named
 from active_perceiver.policies.training_task import TrainingTask
@@ -34,8 +34,6 @@ ONE_SCENE = (1.02, 15.0)
 """What one scene's policy is to keep in the worst seed: mean steps over the fewest possible, seconds of training."""
 MANY_SCENES = (1.03, 90.0)
 """The same for one policy of several scenes."""
-
-Run = dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,52 +78,44 @@ class PolicySetup:
         }
 
 
-def policies_command(
-    folders: Sequence[Path],
-    settings: PolicyBenchmarkConfig,
-    out: Path | None = None,
-    picture: Path | None = None,
-    *,
-    force: bool = False,
-    resume: bool = False,
-) -> dict[str, Any]:
-    """Measure, print a table, write the result and the picture if they are asked for.
+@dataclass
+class PoliciesBenchmark(Benchmark):
+    """How good trained policies are, and how long that takes.
 
-    With `out`, finished trainings are kept beside it until all are done, and `resume` goes on after them.
-
-    Args:
+    Attributes:
         folders: of the agents whose recognisers, scenes and targets are used.
         settings: who learns, and how often.
-        out: the JSON file.
-        picture: the PNG file.
-        force: replace existing files.
-        resume: go on with an interrupted run.
-
-    Returns:
-        The body of the result file, see `measure_policies`.
-
-    Raises:
-        OutputExistsError: if a file exists, or trainings are kept, and neither `force` nor `resume` says what to do.
-        UserError: if the settings make no sense, or an agent or a scene is not what it should be.
+        executor: gives each training a process of its own.
     """
-    # An interrupted run has not written its result yet, so `resume` has nothing to say about an existing one.
-    check_outputs(force, out, picture)
-    configs = checked_configs(settings)
-    check_resume(resume, out)
-    setups = open_setups(folders, settings.scenes)
-    facts = {
-        **asdict(settings),
-        "setups": {setup.name: setup.fingerprint for setup in setups},
-        "learners": {name: asdict(config) for name, config in configs.items()},
-    }
-    with kept_runs(out, facts, force=force, resume=resume) as (done, keep):
+
+    name = "policies"
+    folders: Sequence[Path]
+    settings: PolicyBenchmarkConfig
+    executor: Executor | None = None
+
+    def prepare(self) -> Mapping[str, Any]:
+        """See `Benchmark`."""
+        self.configs = checked_configs(self.settings)
+        self.setups = open_setups(self.folders, self.settings.scenes)
+        return {
+            **asdict(self.settings),
+            "setups": {setup.name: setup.fingerprint for setup in self.setups},
+            "learners": {name: asdict(config) for name, config in self.configs.items()},
+        }
+
+    def measure(self, store: RunStore) -> Body:
+        """See `measure_policies`."""
+        executor = self.executor or FreshProcessExecutor(self.settings.threads)
         with progress_bar("trainings") as report:
-            body = measure_policies(setups, configs, settings, done, keep, report)
-        print(format_policies(body))
-        write_outputs(
-            "benchmark policies", body, out, picture, lambda: policies_spread(spread_rows(body), FINE_RATIO)
-        )
-    return body
+            return measure_policies(self.setups, self.configs, self.settings, store, executor, report)
+
+    def report(self, body: Body) -> str:
+        """See `format_policies`."""
+        return format_policies(body)
+
+    def figure(self, body: Body) -> Figure:
+        """The spread over seeds."""
+        return policies_spread(spread_rows(body), FINE_RATIO)
 
 
 def checked_configs(settings: PolicyBenchmarkConfig) -> dict[str, LearnerConfig]:
@@ -202,53 +192,45 @@ def measure_policies(
     setups: Sequence[PolicySetup],
     configs: Mapping[str, LearnerConfig],
     settings: PolicyBenchmarkConfig,
-    done: Sequence[Run] = (),
-    keep: Callable[[Run], None] = lambda run: None,
+    store: RunStore,
+    executor: Executor,
     progress: ProgressCallback = quiet,
-) -> dict[str, Any]:
-    """Train policies in each setup by each learner with each seed, one after the other, each in a fresh process.
+) -> Body:
+    """Train policies in each setup by each learner with each seed, one after the other.
 
     Args:
         setups: what for, see `open_setups`.
         configs: of the learners, see `checked_configs`.
         settings: how often.
-        done: runs that are finished already.
-        keep: is called with each run that is finished.
+        store: keeps the runs.
+        executor: gives each training a process of its own.
         progress: called with the trainings done and to do.
 
     Returns:
         "protocol"; "setups": see `PolicySetup.described`; "summary": for each setup and learner see `summary`;
-        "runs": for each training "setup", "learner", "seed" and what `train_and_measure` gives.
-
-    Raises:
-        UserError: if a learner cannot train.
+        "runs": for each training "setup" and what `train_and_measure` gives.
     """
-    runs = {(run["setup"], run["learner"], run["seed"]): run for run in done}
     # Seed by seed, so that a disturbance of the machine meets all, and what an interrupted run has is even.
-    jobs = [(setup, learner, seed) for seed in range(settings.seeds) for setup in setups for learner in configs]
-    for number, (setup, learner, seed) in enumerate(jobs):
-        key = (setup.name, learner, seed)
-        if key not in runs:
-            progress(number, len(jobs), f"{setup.name}, {learner}, seed {seed}")
-            config = replace(configs[learner], seed=seed)
-            measured = _in_fresh_process(settings.threads, setup, learner, config, settings.limit)
-            runs[key] = {"setup": setup.name, "learner": learner, "seed": seed, **measured}
-            keep(runs[key])
-    progress(len(jobs), len(jobs))
-    ordered = [
-        runs[setup.name, learner, seed] for setup in setups for learner in configs for seed in range(settings.seeds)
-    ]
+    trainings = {
+        f"{setup.name}, {learner}, seed {seed}": PolicyTraining(
+            setup.name, setup.training_tasks, setup.unseen, learner, replace(config, seed=seed)
+        )
+        for seed in range(settings.seeds)
+        for setup in setups
+        for learner, config in configs.items()
+    }
+    runs = records_of(executor, store, train_and_measure, trainings, settings.limit, progress)
     described = [setup.described() for setup in setups]
+    pairs = [(about, learner) for about in described for learner in configs]
+    of_pair = [
+        [runs[f"{about['setup']}, {learner}, seed {seed}"] for seed in range(settings.seeds)]
+        for about, learner in pairs
+    ]
     return {
         "protocol": _protocol(configs, settings),
         "setups": described,
-        "summary": [
-            summary(about, learner, [run for run in ordered if (run["setup"], run["learner"]) == (name, learner)])
-            for about in described
-            for name in (about["setup"],)
-            for learner in configs
-        ],
-        "runs": ordered,
+        "summary": [summary(*pair, some) for pair, some in zip(pairs, of_pair, strict=True)],
+        "runs": [run for some in of_pair for run in some],
     }
 
 
@@ -268,31 +250,3 @@ def _protocol(configs: Mapping[str, LearnerConfig], settings: PolicyBenchmarkCon
             for learner, config in configs.items()
         },
     }
-
-
-def _in_fresh_process(
-    threads: int, setup: PolicySetup, learner: str, config: LearnerConfig, limit: int
-) -> dict[str, Any]:
-    """What `train_and_measure` gives, in a process that nothing has been trained in before."""
-    with _threads_of_children(threads), ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        try:
-            return pool.submit(train_and_measure, setup.training_tasks, setup.unseen, learner, config, limit).result()
-        except BrokenProcessPool:
-            raise UserError(
-                f"the training by {learner} in {setup.name} was killed, perhaps for want of memory; --resume goes on"
-            ) from None
-
-
-@contextmanager
-def _threads_of_children(threads: int) -> Iterator[None]:
-    """Processes started in this block compute with so many threads, in NumPy too, which is only told at its start."""
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    os.environ.update(dict.fromkeys(names, str(threads)))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name)
-            if value is not None:
-                os.environ[name] = value

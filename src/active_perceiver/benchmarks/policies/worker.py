@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from active_perceiver.evaluation.config import EvaluateConfig
@@ -18,36 +18,48 @@ FINE_RATIO = 1.02
 """Mean steps over the fewest possible; how long it takes to get there is measured too."""
 
 
-def train_and_measure(
-    training_tasks: Sequence[TrainingTask],
-    unseen: Sequence[TrainingTask],
-    learner: str,
-    config: LearnerConfig,
-    limit: int,
-) -> dict[str, Any]:
+@dataclass(frozen=True, eq=False)
+class PolicyTraining:
+    """A training to do.
+
+    Attributes:
+        setup: its name.
+        training_tasks: what is trained on, one for each scene.
+        unseen: the same searches, with pictures that training never sees; none if the scenes hold none out.
+        learner: a name in `LEARNERS`.
+        config: its settings.
+    """
+
+    setup: str
+    training_tasks: Sequence[TrainingTask]
+    unseen: Sequence[TrainingTask]
+    learner: str
+    config: LearnerConfig
+
+
+def train_and_measure(limit: int, training: PolicyTraining) -> dict[str, Any]:
     """Train a policy and measure it over all starts.
 
     What happens once in a process, such as loading what the first step of an optimiser needs, is not the training's:
     a training of one iteration comes before the one that is timed.
 
     Args:
-        training_tasks: what is trained on, one for each scene.
-        unseen: the same searches, with pictures that training never sees; none if the scenes hold none out.
-        learner: a name in `LEARNERS`.
-        config: its settings.
         limit: actions after which a search has failed.
+        training: what is trained, and how.
 
     Returns:
-        "seconds" and "cpu_seconds" of the training, "measuring_seconds": how many of the seconds its own measurements
-        took; "iterations"; "seconds_to_fine_ratio": until it first measured `FINE_RATIO` and success, None if it
-        never did; "arrives": whether every search does, up to rounding; "success", "mean_steps", "shortest_mean",
-        "ratio" and "spl" over all starts and pictures trained with; "per_target": the same of each;
-        "unseen_pictures": "success", "ratio" and "spl" with those, None if there are none.
+        "setup", "learner" and "seed"; "seconds" and "cpu_seconds" of the training, "measuring_seconds": how many of
+        the seconds its own measurements took; "iterations"; "seconds_to_fine_ratio": until it first measured
+        `FINE_RATIO` and success, None if it never did; "arrives": whether every search does, up to rounding;
+        "success", "mean_steps", "shortest_mean", "ratio" and "spl" over all starts and pictures trained with;
+        "per_target": the same of each; "unseen_pictures": "success", "ratio" and "spl" with those, None if there are
+        none.
     """
     # Inside, because the process that starts this one must not need torch to say what is wrong.
     from active_perceiver.policies.monitor import ALWAYS
 
-    train = LEARNERS[learner].train
+    training_tasks, unseen, config = training.training_tasks, training.unseen, training.config
+    train = LEARNERS[training.learner].train
     train(training_tasks, replace(config, iterations=1))
     started, cpu_started = time.perf_counter(), time.process_time()
     network, history = train(training_tasks, config)
@@ -57,6 +69,9 @@ def train_and_measure(
     fine = (r["seconds"] for r in history if r["success"] >= ALWAYS and r["ratio"] <= FINE_RATIO)
     apart = _evaluation(network, unseen, limit).as_dict()["overall"] if unseen else None
     return {
+        "setup": training.setup,
+        "learner": training.learner,
+        "seed": config.seed,
         "seconds": seconds,
         "cpu_seconds": cpu_seconds,
         "measuring_seconds": history[-1]["measuring"],

@@ -7,15 +7,23 @@ import pstats
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.capture.rendered.config import CaptureConfig
+from active_perceiver.benchmarks.config import RenderSpeedConfig
+from active_perceiver.benchmarks.render.report import format_timing
+from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig
+from active_perceiver.parallel.executor import Executor, tell
+from active_perceiver.parallel.fresh_process import FreshProcessExecutor
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.utils.memory import peak_memory
-from active_perceiver.utils.progress import ProgressCallback, quiet
+from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
 from indoor_rooms.free_space import free_positions
+from indoor_rooms.layouts import LAYOUTS, make_room
 from indoor_rooms.renderer import camera, pixels, shading, tone
 from indoor_rooms.renderer.camera import Quality, render
 from indoor_rooms.renderer.compiled import compile_room
@@ -34,6 +42,39 @@ STAGES = {
     "tone mapping": ((tone, "tone_map"),),
 }
 REST = "rest"
+
+
+@dataclass(frozen=True)
+class RenderBenchmark(Benchmark):
+    """How long rooms take to make, to light and to photograph."""
+
+    name = "render"
+    layouts: tuple[str, ...]
+    settings: RenderSpeedConfig
+    executor: Executor = field(default_factory=FreshProcessExecutor)
+
+    def prepare(self) -> None:
+        """See `Benchmark`."""
+
+    def measure(self, store: RunStore) -> Body:
+        """Each room in a process of its own, with one thread and nothing cached; see `measure_rendering`."""
+        layouts = self.layouts or tuple(LAYOUTS)
+        with progress_bar("rooms") as report:
+            rooms = list(self.executor.map(_measure_layout, layouts, self.settings, report))
+        return {"protocol": {"cores": 1, "threads": 1, "views": self.settings.views}, "rooms": rooms}
+
+    def report(self, body: Body) -> str:
+        """See `format_timing`."""
+        return "\n\n".join(format_timing(room) for room in body["rooms"])
+
+
+def _measure_layout(settings: RenderSpeedConfig, layout: str) -> Body:
+    return measure_rendering(
+        lambda: make_room(layout, settings.seed),
+        settings.views,
+        settings=DEFAULT_CONFIGS.get(layout),
+        progress=lambda done, total, note="": tell(f"{done}/{total} {note}"),
+    )
 
 
 def measure_rendering(
@@ -119,29 +160,6 @@ def measure_rendering(
         "target picture": picture_time,
         "peak_memory_gib": peak_memory(),
     }
-
-
-def format_timing(result: dict[str, Any]) -> str:
-    """A table of what `measure_rendering` found."""
-    view = result["view"]
-    lines = [
-        f"{result['name']}: {result['triangles']} triangles, {result['vertices']} vertices, {result['lamps']} lamps",
-        f"{'':34}{'CPU s':>9}{'wall s':>9}",
-    ]
-    named = (("room and textures", "room"), ("compiling", "compile"), ("light, compiling included", "light"))
-    for label, key in (*named, ("target picture", "target picture")):
-        if result[key] is not None:
-            lines.append(f"{label:34}{result[key]['cpu']:9.2f}{result[key]['wall']:9.2f}")
-    lines += [
-        f"{'view, median':34}{view['median']:9.3f}{view['wall_median']:9.3f}",
-        f"{'view, worst':34}{view['worst']:9.3f}",
-        *(f"{'  ' + stage:34}{share:9.0%}" for stage, share in view["stages"].items()),
-        f"{view['per_second']:.1f} views of {result['image_size']} x {result['image_size']} pixels at"
-        f" {result['samples']} rays each, per second and core ({result['views']} measured)",
-    ]
-    if result["peak_memory_gib"] is not None:
-        lines.append(f"peak memory {result['peak_memory_gib']:.2f} GiB")
-    return "\n".join(lines)
 
 
 @contextmanager

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import RobotBenchmarkConfig
-from active_perceiver.benchmarks.outputs import check_outputs, write_outputs
 from active_perceiver.benchmarks.robot.report import format_robot
-from active_perceiver.benchmarks.robot.worker import Conditions, searches, targets_in
+from active_perceiver.benchmarks.robot.worker import Conditions, Lab, search_once, targets_in
+from active_perceiver.benchmarks.runner import Benchmark, Body, share_bars
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.stop_evaluation import TRUE_IOU
 from active_perceiver.figures.robustness import robustness_figure
-from active_perceiver.parallel.run_store import check_resume, kept_runs
+from active_perceiver.parallel.executor import SerialExecutor
+from active_perceiver.parallel.process_pool import ProcessExecutor
+from active_perceiver.parallel.run_missing import records_of
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.simulation.simulated_robot import scene_of
-from active_perceiver.utils.progress import console, progress_bar
-from active_perceiver.utils.result import to_jsonable
+from active_perceiver.utils.progress import progress_bar
 
 
 @dataclass(frozen=True)
@@ -41,56 +44,59 @@ class Row:
     count: int
 
 
-def robot_command(
-    agents: Sequence[Path],
-    settings: RobotBenchmarkConfig,
-    out: Path | None = None,
-    picture: Path | None = None,
-    *,
-    force: bool = False,
-    resume: bool = False,
-) -> dict[str, Any]:
-    """Search, print a table, write the result and the picture if they are asked for.
+@dataclass
+class RobotBenchmark(Benchmark):
+    """How often a robot that is never quite on the lattice finds its targets.
 
-    Args:
+    Attributes:
         agents: folders; all but the last one are compared with the last one under all changes.
         settings: where, and how often.
-        out: the JSON file; finished rows are kept beside it until all are done.
-        picture: the PNG file.
-        force: replace existing files.
-        resume: go on after the rows that an interrupted run has finished.
-
-    Returns:
-        The body of the result file: "protocol", and "rows", each with "label", "agent" (how it was trained),
-        "conditions", "searches", the shares "true_found", "false_found" and "not_found", "interval" (Wilson's, of the
-        first, 95 %), "actions" (the mean of true ones), "metres_off" and "degrees_off" (mean and largest distance
-        from where a robot on the lattice would be at the end), "collisions" (the mean) and "per_target".
-
-    Raises:
-        OutputExistsError: if a file exists and `force` is false.
-        UserError: if an agent was not trained in the room or for no objects, there is no such room, or a number makes
-            no sense.
     """
-    check_outputs(force, out, picture)
-    check_resume(resume, out)
-    rows = list(_rows(agents, settings))
-    targets = targets_in(ActivePerceiver.from_pretrained(agents[-1], 1), scene_of(settings.room))
-    noted = {**asdict(settings), "agents": [_fingerprint(agent) for agent in agents]}
-    with kept_runs(out, noted, force=force, resume=resume) as (done, keep):
-        results = list(done)
-        for row in rows[len(done) :]:
-            console.print(f"{row.label} ({len(results) + 1} of {len(rows)})", highlight=False)
-            with progress_bar("searches") as report:
-                ends = searches(row.agent, settings.room, row.conditions, row.count, settings, report)
-            results.append({**_measured(ends), "label": row.label, "agent": _training(row.agent),
-                            "conditions": asdict(row.conditions)})  # fmt: skip
-            keep(results[-1])
-        protocol = {**asdict(settings), "true_iou": TRUE_IOU, "targets": targets}
-        body = to_jsonable({"protocol": protocol, "rows": results})
-        print(format_robot(body))
-        bars = {row["label"]: (row["true_found"], row["false_found"], row["not_found"]) for row in results}
-        write_outputs("benchmark robot", body, out, picture, lambda: robustness_figure(bars))
-    return body
+
+    name = "robot"
+    agents: Sequence[Path]
+    settings: RobotBenchmarkConfig
+
+    def prepare(self) -> Mapping[str, Any]:
+        """See `Benchmark`."""
+        self.rows = {row.label: row for row in _rows(self.agents, self.settings)}
+        return {**asdict(self.settings), "agents": [_fingerprint(agent) for agent in self.agents]}
+
+    def measure(self, store: RunStore) -> Body:
+        """Search, row by row.
+
+        Returns:
+            "protocol", and "rows", each with "label", "agent" (how it was trained), "conditions", "searches", the
+            shares "true_found", "false_found" and "not_found", "interval" (Wilson's, of the first, 95 %), "actions"
+            (the mean of true ones), "metres_off" and "degrees_off" (mean and largest distance from where a robot on
+            the lattice would be at the end), "collisions" (the mean) and "per_target".
+        """
+        targets = targets_in(ActivePerceiver.from_pretrained(self.agents[-1], 1), scene_of(self.settings.room))
+        rows = records_of(SerialExecutor(), store, measured_row, self.rows, self.settings)
+        protocol = {**asdict(self.settings), "true_iou": TRUE_IOU, "targets": targets}
+        return {"protocol": protocol, "rows": list(rows.values())}
+
+    def report(self, body: Body) -> str:
+        """See `format_robot`."""
+        return format_robot(body)
+
+    def figure(self, body: Body) -> Figure:
+        """Shares of searches by row."""
+        return robustness_figure(share_bars(body["rows"], "label"))
+
+
+def measured_row(settings: RobotBenchmarkConfig, row: Row) -> dict[str, Any]:
+    """Search as a row says, in several processes; see `RobotBenchmark.measure`."""
+    lab = Lab(row.agent, settings.room, row.conditions, settings)
+    executor = ProcessExecutor(min(settings.workers, row.count))
+    with progress_bar(row.label) as report:
+        ends = list(executor.map(search_once, range(row.count), lab, report))
+    return {
+        **_measured(ends),
+        "label": row.label,
+        "agent": _training(row.agent),
+        "conditions": asdict(row.conditions),
+    }
 
 
 def _rows(agents: Sequence[Path], settings: RobotBenchmarkConfig) -> Iterator[Row]:

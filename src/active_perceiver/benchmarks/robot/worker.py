@@ -1,13 +1,11 @@
-"""Searches of a simulated robot, spread over processes, each of which keeps a room and an agent."""
+"""Searches of a simulated robot, done in processes each of which keeps a room and an agent."""
 
 from __future__ import annotations
 
 import math
-import multiprocessing
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass
-from functools import cache
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +29,7 @@ from active_perceiver.simulation.simulated_robot import (
     open_room,
     random_start,
 )
-from active_perceiver.utils.progress import ProgressCallback, quiet
+from active_perceiver.utils.progress import quiet
 
 
 @dataclass(frozen=True)
@@ -55,79 +53,54 @@ class Conditions:
     perfect: bool = False
 
 
-def searches(
-    agent: Path,
-    room: str,
-    conditions: Conditions,
-    count: int,
-    settings: RobotBenchmarkConfig,
-    report: ProgressCallback = quiet,
-) -> list[dict[str, Any]]:
-    """Search for each of an agent's targets in turn, from starts that follow from the searches' numbers.
+@dataclass(eq=False)
+class Lab:
+    """Where and how a process searches; what it needs is opened by its first search.
 
-    Args:
-        agent: its folder.
-        room: a name for `open_room`; the agent was trained in its scene.
-        conditions: of all these searches.
-        count: how many.
-        settings: of the benchmark: seed, limit of actions, processes.
-        report: called after every search.
+    Attributes:
+        folder: of the agent.
+        room_name: a name for `open_room`; the agent was trained in its scene.
+        conditions: of all searches.
+        settings: of the benchmark: seed, limit of actions.
+    """
+
+    folder: Path
+    room_name: str
+    conditions: Conditions
+    settings: RobotBenchmarkConfig
+
+    @cached_property
+    def agent(self) -> ActivePerceiver:
+        """What searches."""
+        return ActivePerceiver.from_pretrained(self.folder, 1)
+
+    @cached_property
+    def room(self) -> LiveRoom:
+        """Where the robot is."""
+        return open_room(
+            self.room_name.partition("_hour_")[0] if self.conditions.own_hour else self.room_name,
+            nudge=self.conditions.nudge,
+            seed=self.settings.seed,
+            faults=None if self.conditions.perfect else WEBCAM,
+            progress=lambda label: nullcontext(quiet),
+        )
+
+    @cached_property
+    def scene(self) -> Scene:
+        """What the agent was trained in."""
+        return open_scene(self.room.name)
+
+
+def search_once(lab: Lab, number: int) -> dict[str, Any]:
+    """Search for one of an agent's targets, all by turns, from a start that follows from the search's number.
 
     Returns:
-        For each search: "target", "found" (its word), "true" (its box is on the target), "actions", "metres_off" and
-        "degrees_off" (from where a robot that does not slip would be, had it begun on the lattice), "collisions".
+        "target", "found" (its word), "true" (its box is on the target), "actions", "metres_off" and "degrees_off"
+        (from where a robot that does not slip would be, had it begun on the lattice), "collisions".
 
     Raises:
         UserError: if there is no such room, or no start that the conditions ask for.
     """
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(
-        min(settings.workers, count), context, _begin, (agent, room, conditions, settings)
-    ) as pool:
-        ends = []
-        for end in pool.map(_search, range(count)):
-            ends.append(end)
-            report(len(ends), count)
-    return ends
-
-
-@dataclass(frozen=True, eq=False)
-class _Lab:
-    """What a process keeps from one search to the next."""
-
-    agent: ActivePerceiver
-    room: LiveRoom
-    scene: Scene
-    conditions: Conditions
-    settings: RobotBenchmarkConfig
-
-
-_asked: tuple[Path, str, Conditions, RobotBenchmarkConfig] | None = None
-
-
-def _begin(*asked: Any) -> None:
-    """Note what a process will do. What it needs is opened by its first search: an error here would have no name."""
-    global _asked
-    _asked = asked
-
-
-@cache
-def _lab() -> _Lab:
-    assert _asked is not None
-    agent, room, conditions, settings = _asked
-    perceiver = ActivePerceiver.from_pretrained(agent, 1)
-    opened = open_room(
-        room.partition("_hour_")[0] if conditions.own_hour else room,
-        nudge=conditions.nudge,
-        seed=settings.seed,
-        faults=None if conditions.perfect else WEBCAM,
-        progress=lambda label: nullcontext(quiet),
-    )
-    return _Lab(perceiver, opened, open_scene(opened.name), conditions, settings)
-
-
-def _search(number: int) -> dict[str, Any]:
-    lab = _lab()
     agent, room, conditions, settings = lab.agent, lab.room, lab.conditions, lab.settings
     rng = np.random.default_rng([settings.seed, number])
     names = targets_in(agent, room.name)

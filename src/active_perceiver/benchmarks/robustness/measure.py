@@ -5,16 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from active_perceiver import __version__
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import RobustnessConfig
-from active_perceiver.benchmarks.outputs import check_outputs, write_outputs
 from active_perceiver.benchmarks.robustness.perturbations import CLEAN, CONDITIONS, Condition
 from active_perceiver.benchmarks.robustness.perturbed_detections import (
     Queries,
@@ -23,6 +23,7 @@ from active_perceiver.benchmarks.robustness.perturbed_detections import (
     with_detections_changed,
 )
 from active_perceiver.benchmarks.robustness.report import format_robustness
+from active_perceiver.benchmarks.runner import Benchmark, Body, share_bars
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.agent_scenes import agent_scenes
 from active_perceiver.evaluation.config import EvaluateConfig
@@ -30,9 +31,10 @@ from active_perceiver.evaluation.detections import DetectionTable
 from active_perceiver.evaluation.evaluate import evaluate_stops, measure_agent, with_query_pictures
 from active_perceiver.evaluation.stop_evaluation import LIMIT, TRUE_IOU
 from active_perceiver.figures.robustness import robustness_figure
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.utils.progress import console, progress_bar
-from active_perceiver.utils.result import write_result
+from active_perceiver.utils.result import to_jsonable
 from active_perceiver.vision.backbone import cache_folder
 
 RenderRoom = Callable[[Scene, Path, "str | None", "int | None"], None]
@@ -41,42 +43,39 @@ RenderRoom = Callable[[Scene, Path, "str | None", "int | None"], None]
 AGENT_FILES = ("config.json", "policy.onnx", "recogniser.onnx")
 
 
-def robustness_command(
-    folder: Path,
-    settings: RobustnessConfig,
-    render: RenderRoom,
-    out: Path | None = None,
-    picture: Path | None = None,
-    *,
-    force: bool = False,
-    resume: bool = False,
-) -> dict[str, Any]:
-    """Measure, print a table, write the result and the picture if they are asked for.
+@dataclass
+class RobustnessBenchmark(Benchmark):
+    """What becomes of success when an agent sees something else than it was trained on.
 
-    Args:
+    Attributes:
         folder: of the agent.
         settings: what to measure and how.
         render: makes rooms anew, for the conditions that need one.
-        out: the JSON file.
-        picture: the PNG file.
-        force: replace existing files.
         resume: take measurements from the work folder that an earlier run has made.
-
-    Returns:
-        The body of the result file, see `measure_robustness`.
-
-    Raises:
-        OutputExistsError: if a file exists and `force` is false.
-        UserError: if the agent, its scenes, a condition or a file is not what it should be.
     """
-    check_outputs(force, out, picture)
-    conditions = chosen_conditions(settings)
-    agent = ActivePerceiver.from_pretrained(folder)
-    body = measure_robustness(agent, settings, conditions, render, resume=resume)
-    print(format_robustness(body))
-    bars = {row["condition"]: (row["true_found"], row["false_found"], row["not_found"]) for row in body["conditions"]}
-    write_outputs("benchmark robustness", body, out, picture, lambda: robustness_figure(bars))
-    return body
+
+    name = "robustness"
+    folder: Path
+    settings: RobustnessConfig
+    render: RenderRoom
+    resume: bool = False
+
+    def prepare(self) -> None:
+        """See `Benchmark`; the measurements are kept in the work folder."""
+        self.conditions = chosen_conditions(self.settings)
+        self.agent = ActivePerceiver.from_pretrained(self.folder)
+
+    def measure(self, store: RunStore) -> Body:
+        """See `measure_robustness`."""
+        return measure_robustness(self.agent, self.settings, self.conditions, self.render, resume=self.resume)
+
+    def report(self, body: Body) -> str:
+        """See `format_robustness`."""
+        return format_robustness(body)
+
+    def figure(self, body: Body) -> Figure:
+        """Shares of searches by condition."""
+        return robustness_figure(share_bars(body["conditions"], "condition"))
 
 
 def chosen_conditions(settings: RobustnessConfig) -> dict[str, Condition]:
@@ -129,6 +128,8 @@ def measure_robustness(
         UserError: if a room cannot be had.
     """
     work = settings.work or cache_folder() / "robustness"
+    # The names of what is kept say what it follows from, so many agents and protocols share the folder.
+    kept = RunStore(work / "conditions")
     scenes = list(agent_scenes(agent))
     asked = [Queries.of(agent, scene, names) for scene, names in scenes]
     plain: dict[str, DetectionTable] = {}
@@ -136,16 +137,17 @@ def measure_robustness(
     for number, (name, condition) in enumerate(conditions.items(), 1):
         console.print(f"{name} ({number} of {len(conditions)})", highlight=False)
         rooms = [_room(one.scene, condition, work, render) for one in asked]
-        kept = work / "measured" / f"{_key(agent, settings, name, condition, rooms)}.json"
-        if not (resume and kept.is_file()):
+        key = _key(agent, settings, name, condition, rooms)
+        row = kept.record(key) if resume else None
+        if row is None:
             seen = [
                 _look(agent, one, room, condition, settings.seed, plain)
                 for one, room in zip(asked, rooms, strict=True)
             ]
-            row = {"condition": name, "meaning": condition.meaning, **_measure(agent, asked, seen, settings)}
-            write_result(kept, "benchmark robustness", row)
-        written = json.loads(kept.read_text())
-        rows.append({key: value for key, value in written.items() if key not in _HEAD})
+            measured = _measure(agent, asked, seen, settings)
+            row = to_jsonable({"condition": name, "meaning": condition.meaning, **measured})
+            kept.keep(key, row)
+        rows.append(row)
     protocol = {
         "agent": str(agent.folder),
         "scenes": [scene.name for scene, _ in scenes],
@@ -161,9 +163,6 @@ def measure_robustness(
         "seed": settings.seed,
     }
     return {"protocol": protocol, "conditions": rows}
-
-
-_HEAD = ("command", "version", "date", "machine")
 
 
 def _room(scene: Scene, condition: Condition, work: Path, render: RenderRoom) -> Scene:

@@ -2,59 +2,56 @@
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
-from collections.abc import Callable, Sequence
-from dataclasses import asdict
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from active_perceiver.benchmarks.config import ScaleConfig
-from active_perceiver.benchmarks.outputs import check_outputs, write_outputs
+from active_perceiver.benchmarks.runner import Benchmark, Body
 from active_perceiver.benchmarks.scale.report import cost_curves, format_scale
 from active_perceiver.benchmarks.scale.synthetic_scenes import FEATURES, PICTURES, VIEWS_PER_PLACE, synthetic_tasks
-from active_perceiver.benchmarks.scale.worker import CHECK_LIMIT, RATIOS
+from active_perceiver.benchmarks.scale.worker import CHECK_LIMIT, RATIOS, measure_training
 from active_perceiver.errors import UserError
 from active_perceiver.figures.scaling import scaling_figure
-from active_perceiver.parallel.run_store import check_resume, kept_runs
+from active_perceiver.parallel.executor import Executor
+from active_perceiver.parallel.fresh_process import FreshProcessExecutor
+from active_perceiver.parallel.run_missing import records_of
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.policies.learners import LEARNERS, learner_named
 from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
 
-Run = dict[str, Any]
 Cell = tuple[str, int, int]
 """A learner, a number of scenes, and the states that each was asked to have."""
 
 
-def scale_command(
-    settings: ScaleConfig,
-    out: Path | None = None,
-    picture: Path | None = None,
-    *,
-    force: bool = False,
-    resume: bool = False,
-) -> dict[str, Any]:
-    """Measure, print tables, write the result and the picture if they are asked for.
+@dataclass(frozen=True)
+class ScaleBenchmark(Benchmark):
+    """What training costs as scenes get more and larger."""
 
-    With `out`, finished trainings are kept beside it until all are done, and `resume` goes on after them.
+    name = "scale"
+    settings: ScaleConfig
+    executor: Executor | None = None
 
-    Returns:
-        The body of the result file, see `measure_scale`.
+    def prepare(self) -> Mapping[str, Any]:
+        """See `Benchmark`."""
+        check_settings(self.settings)
+        return asdict(self.settings)
 
-    Raises:
-        OutputExistsError: if a file exists, or trainings are kept, and neither `force` nor `resume` says what to do.
-        UserError: if the settings make no sense, or a training failed.
-    """
-    check_outputs(force, out, picture)
-    check_settings(settings)
-    check_resume(resume, out)
-    with kept_runs(out, asdict(settings), force=force, resume=resume) as (done, keep):
+    def measure(self, store: RunStore) -> Body:
+        """See `measure_scale`."""
+        executor = self.executor or FreshProcessExecutor(self.settings.threads)
         with progress_bar("trainings") as report:
-            body = measure_scale(settings, done, keep, report)
-        print(format_scale(body))
-        write_outputs("benchmark scale", body, out, picture, lambda: scaling_figure(*cost_curves(body)))
-    return body
+            return measure_scale(self.settings, store, executor, report)
+
+    def report(self, body: Body) -> str:
+        """See `format_scale`."""
+        return format_scale(body)
+
+    def figure(self, body: Body) -> Figure:
+        """Time and memory over the number of states."""
+        return scaling_figure(*cost_curves(body))
 
 
 def check_settings(settings: ScaleConfig) -> None:
@@ -92,34 +89,23 @@ def cells_of(settings: ScaleConfig) -> list[Cell]:
 
 
 def measure_scale(
-    settings: ScaleConfig,
-    done: Sequence[Run] = (),
-    keep: Callable[[Run], None] = lambda run: None,
-    progress: ProgressCallback = quiet,
-) -> dict[str, Any]:
-    """Train in every combination of scenes and states, each in a process of its own, one after the other.
+    settings: ScaleConfig, store: RunStore, executor: Executor, progress: ProgressCallback = quiet
+) -> Body:
+    """Train in every combination of scenes and states, one after the other.
 
     Args:
         settings: how many, how large, who, and for how long.
-        done: runs that are finished already.
-        keep: is called with each run that is finished.
+        store: keeps the runs.
+        executor: gives each training a process of its own.
         progress: called with the trainings done and to do.
 
     Returns:
-        "protocol"; "runs": for each training what `scale_process.measure_training` says, and "asked_states".
-
-    Raises:
-        UserError: if a training failed.
+        "protocol"; "runs": for each training what `worker.measure_training` says.
     """
-    runs: dict[Cell, Run] = {(run["learner"], run["scenes"], run["asked_states"]): run for run in done}
-    cells = cells_of(settings)
-    for number, cell in enumerate(cells):
-        if cell not in runs:
-            learner, scenes, states = cell
-            progress(number, len(cells), f"{learner}, {scenes} x {states}")
-            runs[cell] = {"asked_states": states, **_train(settings, cell)}
-            keep(runs[cell])
-    progress(len(cells), len(cells))
+    cells = {
+        f"{learner}, {scenes} x {states}": (learner, scenes, states) for learner, scenes, states in cells_of(settings)
+    }
+    runs = records_of(executor, store, measure_training, cells, settings, progress)
     protocol = {
         **asdict(settings),
         "views_per_place": VIEWS_PER_PLACE,
@@ -131,33 +117,4 @@ def measure_scale(
         "clock": "training without measurements, after one iteration in another scene that does not count",
         "settings": {name: asdict(LEARNERS[name].config()) for name in settings.learners},
     }
-    return {"protocol": protocol, "runs": [runs[cell] for cell in cells]}
-
-
-def _train(settings: ScaleConfig, cell: Cell) -> Run:
-    """What a fresh process prints; see `worker.py`.
-
-    Raises:
-        UserError: if it failed; what it says last is why.
-    """
-    learner, scenes, states = cell
-    request = {
-        "learner": learner,
-        "scenes": scenes,
-        "states": states,
-        "targets": settings.targets,
-        "seconds": settings.seconds,
-        "iterations": settings.iterations,
-        "threads": settings.threads,
-        "seed": settings.seed,
-    }
-    threads = str(settings.threads)
-    done = subprocess.run(
-        [sys.executable, "-m", "active_perceiver.benchmarks.scale.worker", json.dumps(request)],
-        env={**os.environ, "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    if done.returncode != 0:
-        said = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
-        raise UserError(f"training by {learner} in {scenes} scenes of {states} states failed: {said[-1]}")
-    return json.loads(done.stdout)
+    return {"protocol": protocol, "runs": list(runs.values())}

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import os
-import pickle
-import subprocess
-import sys
-import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import LearnerName, TrainSpeedConfig
-from active_perceiver.benchmarks.outputs import check_outputs, write_outputs
+from active_perceiver.benchmarks.runner import Benchmark, Body
 from active_perceiver.benchmarks.train.baselines import BASELINES, FINE_RATIO, RATIO, baseline_named
 from active_perceiver.benchmarks.train.report import format_train_speed, learner_summary, trainings_of
+from active_perceiver.benchmarks.train.worker import Training, train
 from active_perceiver.envs.observations import Observations
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import UserError
@@ -26,49 +23,51 @@ from active_perceiver.evaluation.agent_scenes import features_of
 from active_perceiver.evaluation.detections import even_pictures
 from active_perceiver.evaluation.evaluate import agent_detections
 from active_perceiver.figures.time_to_quality import time_to_quality
-from active_perceiver.parallel.run_store import check_resume, kept_runs
+from active_perceiver.parallel.executor import Executor
+from active_perceiver.parallel.fresh_process import FreshProcessExecutor
+from active_perceiver.parallel.run_missing import records_of
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.policies.training_task import TrainingTask
 from active_perceiver.scenes import open_scene
 from active_perceiver.training.target_selection import check_targets, searched_targets
 from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
-from active_perceiver.utils.result import format_number
 from active_perceiver.vision.backbone import load_backbone
 
 TRUTH = "truth"
 
-Run = dict[str, Any]
 
+@dataclass
+class TrainBenchmark(Benchmark):
+    """How long learners take to a good policy."""
 
-def train_speed_command(
-    settings: TrainSpeedConfig,
-    out: Path | None = None,
-    picture: Path | None = None,
-    *,
-    force: bool = False,
-    resume: bool = False,
-) -> dict[str, Any]:
-    """Measure, print a table, write the result and the picture if they are asked for.
+    name = "train"
+    settings: TrainSpeedConfig
+    executor: Executor | None = None
 
-    With `out`, finished trainings are kept beside it until all are done, and `resume` goes on after them.
+    def prepare(self) -> Mapping[str, Any]:
+        """See `Benchmark`."""
+        check_settings(self.settings)
+        return asdict(self.settings)
 
-    Returns:
-        The body of the result file, see `measure_train_speed`.
-
-    Raises:
-        OutputExistsError: if a file exists, or trainings are kept, and neither `force` nor `resume` says what to do.
-        UserError: if the settings make no sense, something they name is not there, or a training failed.
-    """
-    check_outputs(force, out, picture)
-    check_settings(settings)
-    check_resume(resume, out)
-    with kept_runs(out, asdict(settings), force=force, resume=resume) as (done, keep):
-        training_task = search_training_task(settings)
+    def measure(self, store: RunStore) -> Body:
+        """See `measure_train_speed`."""
+        training_task = search_training_task(self.settings)
+        executor = self.executor or FreshProcessExecutor(threads_of(self.settings))
         with progress_bar("trainings") as report:
-            body = measure_train_speed(settings, training_task, done, keep, report)
-        print(format_train_speed(body))
-        figure = lambda: time_to_quality(trainings_of(body), RATIO)  # noqa: E731
-        write_outputs("benchmark train", body, out, picture, figure)
-    return body
+            return measure_train_speed(self.settings, training_task, store, executor, report)
+
+    def report(self, body: Body) -> str:
+        """See `format_train_speed`."""
+        return format_train_speed(body)
+
+    def figure(self, body: Body) -> Figure:
+        """Time to quality by learner."""
+        return time_to_quality(trainings_of(body), RATIO)
+
+
+def threads_of(settings: TrainSpeedConfig) -> int:
+    """CPU threads of each training."""
+    return settings.threads or os.cpu_count() or 1
 
 
 def check_settings(settings: TrainSpeedConfig) -> None:
@@ -116,45 +115,33 @@ def search_training_task(settings: TrainSpeedConfig) -> TrainingTask:
 def measure_train_speed(
     settings: TrainSpeedConfig,
     training_task: TrainingTask,
-    done: Sequence[Run] = (),
-    keep: Callable[[Run], None] = lambda run: None,
+    store: RunStore,
+    executor: Executor,
     progress: ProgressCallback = quiet,
-) -> dict[str, Any]:
-    """Train every learner with every seed, each in a process of its own, one after the other.
+) -> Body:
+    """Train every learner with every seed, one after the other.
 
     Args:
         settings: who, and for how long.
         training_task: what they learn, see `search_training_task`.
-        done: runs that are finished already.
-        keep: is called with each run that is finished.
+        store: keeps the runs.
+        executor: gives each training a process of its own.
         progress: called with the trainings done and to do, and how good the present one is.
 
     Returns:
-        "protocol"; "learners": for each its summary, see `learner_summary`; "runs": for each training {"learner",
-        "seed", "points": its measurements, see `train_process.measured`}.
-
-    Raises:
-        UserError: if a training failed.
+        "protocol"; "learners": for each its summary, see `learner_summary`; "runs": for each training what
+        `worker.train` gives.
     """
-    threads = settings.threads or os.cpu_count() or 1
+    threads = threads_of(settings)
     limits = {name: settings.seconds or BASELINES[name].seconds for name in settings.learners}
-    runs = {(run["learner"], run["seed"]): run for run in done}
     # Seed by seed, so that a disturbance of the machine meets all learners, and what an interrupted run has is even.
-    jobs = [(name, seed) for seed in range(settings.seeds) for name in settings.learners]
-    with _problem_file(training_task) as path:
-        for number, (name, seed) in enumerate(jobs):
-            if (name, seed) in runs:
-                continue
-            request = {"problem": path, "name": name, "seed": seed, "threads": threads, "seconds": limits[name]}
-            points = []
-            progress(number, len(jobs), f"{name}, seed {seed}")
-            for point in _points(request):
-                points.append(point)
-                progress(number, len(jobs), f"{name}, seed {seed}: {_words(point)}")
-            runs[name, seed] = {"learner": name, "seed": seed, "points": points}
-            keep(runs[name, seed])
-    progress(len(jobs), len(jobs))
-    ordered = [runs[name, seed] for name in settings.learners for seed in range(settings.seeds)]
+    items = {
+        f"{name}, seed {seed}": Training(name, seed, threads, limits[name])
+        for seed in range(settings.seeds)
+        for name in settings.learners
+    }
+    runs = records_of(executor, store, train, items, training_task, progress)
+    ordered = [runs[f"{name}, seed {seed}"] for name in settings.learners for seed in range(settings.seeds)]
     return {
         "protocol": _protocol(settings, training_task, threads, limits),
         "learners": [
@@ -189,40 +176,3 @@ def _protocol(
             for name, config in configs.items()
         },
     }
-
-
-@contextmanager
-def _problem_file(training_task: TrainingTask) -> Iterator[str]:
-    with tempfile.TemporaryDirectory(prefix="active-perceiver-") as folder:
-        path = Path(folder) / "problem"
-        path.write_bytes(pickle.dumps(training_task))
-        yield str(path)
-
-
-def _points(request: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The measurements of a training in a fresh process, as they come.
-
-    Raises:
-        UserError: if it failed; what it says last is why.
-    """
-    threads = str(request["threads"])
-    with tempfile.TemporaryFile("w+") as errors, subprocess.Popen(
-        [sys.executable, "-m", "active_perceiver.benchmarks.train.worker", json.dumps(request)],
-        env={**os.environ, "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads},
-        stdout=subprocess.PIPE, stderr=errors, text=True,
-    ) as process:  # fmt: skip
-        try:
-            assert process.stdout is not None
-            for line in process.stdout:
-                yield json.loads(line)
-            if process.wait() != 0:
-                errors.seek(0)
-                said = errors.read().strip().splitlines() or [f"exit code {process.returncode}"]
-                raise UserError(f"training by {request['name']} failed: {said[-1]}")
-        finally:
-            # Whatever ends this one early must not leave it running; it has nothing to lose.
-            process.terminate()
-
-
-def _words(point: dict[str, float]) -> str:
-    return f"{point['seconds']:.0f} s, success {point['success']:.3f}, {format_number(point['ratio'], '.2f')} x"

@@ -24,30 +24,17 @@ from torch import Tensor
 from active_perceiver.benchmarks.train.baselines import Sb3Config, Sb3PpoConfig
 from active_perceiver.envs import SearchVectorEnv
 from active_perceiver.errors import UserError
-from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
+from active_perceiver.policies.monitor import Monitor
 from active_perceiver.policies.network import PolicyNetwork, seeded_network
 from active_perceiver.policies.training_task import TrainingTask
 
 Observation = dict[str, Tensor]
 
 
-def train_sb3(
-    training_tasks: Sequence[TrainingTask],
-    config: Sb3Config,
-    progress: Progress | None = None,
-    inspect: Inspect | None = None,
-) -> tuple[PolicyNetwork, list[Record]]:
-    """Train a policy for one scene by PPO, or A2C if the configuration is not `Sb3PpoConfig`.
+def train_sb3(training_tasks: Sequence[TrainingTask], config: Sb3Config, monitor: Monitor) -> PolicyNetwork:
+    """Train a policy for one scene by PPO, or A2C if the configuration is not `Sb3PpoConfig`; see `Learner.train`.
 
-    Args:
-        training_tasks: a single one.
-        config: see `Sb3Config`.
-        progress: is called with every record of the history.
-        inspect: is shown every record with the policy tables it measures.
-
-    Returns:
-        The network and the history, see `Monitor`; an iteration is a rollout and the updates by it, a sample a step
-        in one environment.
+    An iteration is a rollout and the updates by it, a sample a step in one environment.
 
     Raises:
         UserError: if there is not exactly one problem: all its environments have the same actions and branch.
@@ -57,10 +44,11 @@ def train_sb3(
     (training_task,) = training_tasks
     network = seeded_network(training_tasks, config)
     model = make_model(training_task, network, config)
-    watch = _Watch(Monitor(training_tasks, config, progress, inspect), network, config)
+    monitor.start()
+    watch = _Watch(monitor, network, config)
     # A rollout more than is used: what ends the training is measured when the next one would begin.
     model.learn((config.iterations + 1) * config.num_steps * config.num_envs, callback=watch)
-    return network, watch.monitor.history
+    return network
 
 
 def make_model(training_task: TrainingTask, network: PolicyNetwork, config: Sb3Config) -> OnPolicyAlgorithm:

@@ -13,14 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.capture.rendered.capture_store import CaptureStore
 from active_perceiver.capture.rendered.config import CaptureConfig
-from active_perceiver.capture.rendered.kept_work import light_arrays, lit_room, run_missing
+from active_perceiver.capture.rendered.stored_light import light_arrays, lit_room
+from active_perceiver.parallel.executor import Executor
+from active_perceiver.parallel.process_pool import ProcessExecutor
+from active_perceiver.parallel.run_missing import run_missing
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.scenes.floor_plan import FloorPlan
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.lattice import lattice_poses, lattice_transitions
 from active_perceiver.scenes.scene import Scene, Target
-from active_perceiver.utils.progress import ProgressCallback, quiet
+from active_perceiver.utils.progress import ProgressBar, ProgressCallback, quiet
 from indoor_rooms.free_space import free_positions, without_collisions
 from indoor_rooms.renderer.camera import Quality, render
 from indoor_rooms.renderer.camera_faults import view_rng, with_faults
@@ -33,8 +36,6 @@ HEADINGS = (0.0, 90.0, 180.0, 270.0)
 # An object that covers less of the picture than this cannot be recognised by anyone.
 SMALLEST_VISIBLE = 0.0005
 LIGHT = "light"
-
-Stage = Callable[[str], AbstractContextManager[ProgressCallback]]
 
 
 @dataclass(eq=False)
@@ -51,7 +52,7 @@ class Studio:
     room: Room
     settings: CaptureConfig
     seed: int
-    store: CaptureStore
+    store: RunStore
 
     @cached_property
     def baked(self) -> BakedRoom:
@@ -68,20 +69,20 @@ def capture(
     settings: CaptureConfig | None = None,
     *,
     seed: int = 0,
-    workers: int | None = None,
-    progress: Stage = _silent,
-    store: CaptureStore | None = None,
+    executor: Executor | None = None,
+    progress: ProgressBar = _silent,
+    store: RunStore | None = None,
 ) -> Scene:
     """Photograph a room from every pose of a lattice, and its targets alone.
 
-    The same room, settings and seed give byte-identical pictures, however many workers there are and however often
+    The same room, settings and seed give byte-identical pictures, whatever does the work and however often
     the work was interrupted.
 
     Args:
         room: what to photograph.
         settings: how; the defaults are those of the bundled rooms.
         seed: of the light's randomness, the camera's faults and the target pictures.
-        workers: processes; None for one a core.
+        executor: does the work; None for a process a core.
         progress: opens a progress bar for each of the three stages: "light", "views", "target pictures".
         store: where finished work is kept, and looked for; a temporary folder if None.
 
@@ -90,20 +91,20 @@ def capture(
         TargetError: if the room lists targets it does not hold, or none.
         WorkerError: if a rendering process was killed.
     """
-    settings = settings or CaptureConfig()
+    settings, executor = settings or CaptureConfig(), executor or ProcessExecutor()
     check_targets(room)
     if store is None:
         with TemporaryDirectory(prefix="active-perceiver-") as folder:
-            own = CaptureStore(Path(folder))
-            return capture(room, settings, seed=seed, workers=workers, progress=progress, store=own)
+            own = RunStore(Path(folder))
+            return capture(room, settings, seed=seed, executor=executor, progress=progress, store=own)
     positions = free_positions(room, settings.spacing, settings.robot_radius, settings.places)
     poses = lattice_poses(positions, HEADINGS, settings.tilts)
     transitions = lattice_transitions(poses, settings.actions, settings.spacing)
     polygons = [polygon for _, polygon in room.obstacles]
     transitions = without_collisions(poses, transitions, polygons, settings.robot_radius)
     studio = Studio(room, settings, seed, store)
-    seen = take_views(photograph_view, studio, poses.tolist(), workers, progress)
-    targets = take_targets(studio, tuple(room.targets), workers, progress)
+    seen = take_views(photograph_view, studio, poses.tolist(), executor, progress)
+    targets = take_targets(studio, tuple(room.targets), executor, progress)
     return Scene(
         name=room.name,
         actions=settings.actions,
@@ -123,8 +124,8 @@ def take_views(
     work: Callable[[Studio, tuple[str, Any]], None],
     studio: Studio,
     jobs: Sequence[Any],
-    workers: int | None,
-    progress: Stage,
+    executor: Executor,
+    progress: ProgressBar,
 ) -> list[dict[str, NDArray[Any]]]:
     """Bake a room's light and take views, as far as the store does not hold them.
 
@@ -132,7 +133,7 @@ def take_views(
         work: takes a view and keeps it in the store, given the studio, its key and its job.
         studio: the room and how it is photographed.
         jobs: what differs between the views, as their poses.
-        workers: processes; None for one a core.
+        executor: does the work; None for a process a core.
         progress: opens a progress bar for each of the two stages.
 
     Returns:
@@ -145,17 +146,19 @@ def take_views(
             store.save(LIGHT, **light_arrays(light))
     keys = [f"view-{state:05}" for state in range(len(jobs))]
     with progress("views") as report:
-        run_missing(work, studio, store, keys, jobs, workers, report)
+        run_missing(executor, store, work, dict(zip(keys, jobs, strict=True)), studio, report)
     return [store.loaded(key) for key in keys]
 
 
-def take_targets(studio: Studio, names: Sequence[str], workers: int | None, progress: Stage) -> tuple[Target, ...]:
+def take_targets(
+    studio: Studio, names: Sequence[str], executor: Executor, progress: ProgressBar
+) -> tuple[Target, ...]:
     """Photograph some of a room's targets alone, as far as the store does not hold the pictures."""
     store = studio.store
     alone = [(name, setup) for name in names for setup in range(SETUPS)]
     keys = [f"target-{number // SETUPS:03}-{number % SETUPS}" for number in range(len(alone))]
     with progress("target pictures") as report:
-        run_missing(_photograph_alone, studio, store, keys, alone, workers, report)
+        run_missing(executor, store, _photograph_alone, dict(zip(keys, alone, strict=True)), studio, report)
     targets = []
     for row, name in enumerate(names):
         of_target = [

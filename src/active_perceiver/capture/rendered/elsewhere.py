@@ -13,18 +13,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver import __version__
-from active_perceiver.capture.rendered.capture_scene import Stage, photograph
-from active_perceiver.capture.rendered.capture_store import CaptureStore
+from active_perceiver.capture.rendered.capture_scene import photograph
 from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig, CaptureError
-from active_perceiver.capture.rendered.kept_work import light_arrays, lit_room, run_missing
 from active_perceiver.capture.rendered.other_rooms import OtherRoom, plan_rooms, shared_out
 from active_perceiver.capture.rendered.render import check_scene_output, origin_of
+from active_perceiver.capture.rendered.stored_light import light_arrays, lit_room
 from active_perceiver.capture.rendered.vantage import Eye, poses_towards
+from active_perceiver.parallel.executor import Executor
+from active_perceiver.parallel.process_pool import ProcessExecutor
+from active_perceiver.parallel.run_missing import run_missing
+from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.scenes.lattice import TURTLEBOT_ACTIONS
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.scenes.storage import save_scene
-from active_perceiver.utils.progress import console, progress_bar
+from active_perceiver.utils.progress import ProgressBar, console, progress_bar
 from indoor_rooms.layouts import LAYOUTS
 from indoor_rooms.layouts.placement import stream
 from indoor_rooms.renderer.compiled import compile_room
@@ -58,7 +60,7 @@ class _Studio:
     rooms: tuple[OtherRoom, ...]
     settings: CaptureConfig
     names: tuple[str, ...]
-    store: CaptureStore
+    store: RunStore
     _last: tuple[int, BakedRoom] | None = field(default=None, init=False)
 
     def baked(self, number: int) -> BakedRoom:
@@ -80,14 +82,14 @@ def render_elsewhere(
     rooms: int = 6,
     force: bool = False,
     resume: bool = False,
-    workers: int | None = None,
-    progress: Stage = progress_bar,
+    executor: Executor | None = None,
+    progress: ProgressBar = progress_bar,
 ) -> Photographs:
     """Photograph the targets of a scene lying in other rooms, and write the photographs as a scene file.
 
     The objects are the very ones of the scene; the rooms, the light and the poses are others. What is finished is
-    kept in the folder `OUT.part` until the file is written; the same arguments give the same file, however many
-    workers there are and however often the work was interrupted.
+    kept in the folder `OUT.part` until the file is written; the same arguments give the same file, whatever does the
+    work and however often the work was interrupted.
 
     The photographs are single ones, without moves between them: a recogniser can be trained on the file, but it
     cannot be searched, and `scenes check` says so.
@@ -100,7 +102,7 @@ def render_elsewhere(
         rooms: in how many other rooms.
         force: replace an existing file, and begin anew where the work was interrupted.
         resume: go on with interrupted work.
-        workers: processes; None for one a core.
+        executor: does the work; None for a process a core.
         progress: opens a progress bar for each of the two stages: "other rooms", "photographs".
 
     Raises:
@@ -119,17 +121,18 @@ def render_elsewhere(
         DEFAULT_CONFIGS.get(layout, CaptureConfig()),
         image_size=scene.image_size, fov=scene.fov, bake_rays=BAKE_RAYS,
     )  # fmt: skip
+    executor = executor or ProcessExecutor()
     with progress("other rooms") as report:
         plan, fingerprints = plan_rooms(scene.target_names, wanted, LAYOUTS[layout].things + seed, pictures, rooms)
         noted = _noted(scene, wanted, pictures, settings, fingerprints)
-        store = CaptureStore.begin(out.with_name(f"{out.name}.part"), noted, force=force, resume=resume)
+        store = RunStore.begin(part_folder(out), noted, force=force, resume=resume)
         studio = _Studio(plan, settings, scene.target_names, store)
-        run_missing(_prepare, studio, store, [room.key for room in plan], plan, workers, report)
+        run_missing(executor, store, _prepare, {room.key: room for room in plan}, studio, report)
     shots = _shots(plan, store, wanted, pictures)
-    keys = [f"photograph-{number:05}" for number in range(len(shots))]
+    taken_from = {f"photograph-{number:05}": (room, pose) for number, (room, _, pose) in enumerate(shots)}
     with progress("photographs") as report:
-        run_missing(_photograph, studio, store, keys, [(room, pose) for room, _, pose in shots], workers, report)
-    seen = [store.loaded(key) for key in keys]
+        run_missing(executor, store, _photograph, taken_from, studio, report)
+    seen = [store.loaded(key) for key in taken_from]
     names = tuple(room.name for room in plan)
     taken = Scene(
         name=out.stem,
@@ -158,7 +161,6 @@ def _noted(
 ) -> dict[str, Any]:
     """What the photographs follow from."""
     return {
-        "version": __version__,
         "scene": [scene.source, scene.content_hash, scene.target_names],
         "targets": wanted,
         "pictures": pictures,
@@ -186,7 +188,7 @@ def _of(target: str) -> str:
 
 
 def _shots(
-    plan: Sequence[OtherRoom], store: CaptureStore, wanted: Sequence[str], pictures: int
+    plan: Sequence[OtherRoom], store: RunStore, wanted: Sequence[str], pictures: int
 ) -> list[tuple[int, str, list[float]]]:
     """Room number, target and pose of each photograph, ordered by room."""
     kept = [store.loaded(room.key) for room in plan]

@@ -22,22 +22,23 @@ from numpy.typing import NDArray
 
 from active_perceiver.capture.rendered.capture_scene import (
     HEADINGS,
-    Stage,
     Studio,
     check_targets,
     look,
     take_targets,
     take_views,
 )
-from active_perceiver.capture.rendered.capture_store import CaptureStore
 from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig, CaptureError
 from active_perceiver.capture.rendered.render import noted_origin
 from active_perceiver.datasets.photos.pose_table import photograph_name, write_poses
+from active_perceiver.parallel.executor import Executor
+from active_perceiver.parallel.process_pool import ProcessExecutor
+from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.scenes.images import decode_image, encode_image
 from active_perceiver.scenes.lattice import lattice_poses
 from active_perceiver.scenes.scene import Target
 from active_perceiver.utils.files import OutputExistsError, check_output
-from active_perceiver.utils.progress import progress_bar
+from active_perceiver.utils.progress import ProgressBar, progress_bar
 from indoor_rooms.free_space import free_positions
 from indoor_rooms.layouts import make_room
 from indoor_rooms.renderer.camera_faults import CameraFaults
@@ -116,9 +117,9 @@ def take_photographs(
     places: int | None = None,
     force: bool = False,
     resume: bool = False,
-    workers: int | None = None,
+    executor: Executor | None = None,
     settings: CaptureConfig | None = None,
-    progress: Stage = progress_bar,
+    progress: ProgressBar = progress_bar,
 ) -> int:
     """Write a folder of photographs of a rendered room: `IMG_0001.jpg` and so on, `poses.csv`, COCO boxes, targets.
 
@@ -132,7 +133,7 @@ def take_photographs(
         places: how many marks there are on the floor; the layout's own number if None.
         force: replace an earlier folder of photographs, and begin anew where the work was interrupted.
         resume: go on with interrupted work.
-        workers: processes; None for one a core.
+        executor: does the work; None for a process a core.
         settings: None for those of the layout; the pictures' size is the photographer's.
         progress: opens a progress bar for each stage.
 
@@ -152,11 +153,12 @@ def take_photographs(
     rolls = _rolls(room, settings, photographer, seed)
     noted = {**noted_origin(layout, seed, settings, room), "photographs": asdict(photographer)}
     noted["photographs"]["targets"] = list(names)
-    store = CaptureStore.begin(folder.with_name(f"{folder.name}.part"), noted, force=force, resume=resume)
+    store = RunStore.begin(part_folder(folder), noted, force=force, resume=resume)
     studio = Studio(room, settings, seed, store)
     jobs = [(pose, names, photographer.height) for pose in rolls.taken.tolist()]
-    seen = take_views(_photograph, studio, jobs, workers, progress)
-    targets = take_targets(studio, names, workers, progress)
+    executor = executor or ProcessExecutor()
+    seen = take_views(_photograph, studio, jobs, executor, progress)
+    targets = take_targets(studio, names, executor, progress)
     _write(folder, rolls.written, seen, targets, (photographer.width, photographer.height))
     store.remove()
     return len(seen)

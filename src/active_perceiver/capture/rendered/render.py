@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 import time
 from collections.abc import Iterator, Sequence
@@ -14,14 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from active_perceiver import __version__
-from active_perceiver.capture.rendered.capture_scene import Stage, capture
-from active_perceiver.capture.rendered.capture_store import CaptureStore
+from active_perceiver.capture.rendered.capture_scene import capture
 from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig, CaptureError
+from active_perceiver.parallel.executor import Executor
+from active_perceiver.parallel.process_pool import ProcessExecutor
+from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.scenes.storage import save_scene
 from active_perceiver.utils.files import OutputExistsError, check_output
-from active_perceiver.utils.progress import ProgressCallback, console, progress_bar
+from active_perceiver.utils.progress import ProgressBar, ProgressCallback, console, progress_bar
 from indoor_rooms.layouts import make_room
 from indoor_rooms.room import Room
 
@@ -51,7 +51,7 @@ class Timing:
         finally:
             self.seconds[label] = self.seconds.get(label, 0.0) + time.monotonic() - started
 
-    def timed(self, progress: Stage) -> Stage:
+    def timed(self, progress: ProgressBar) -> ProgressBar:
         """The same progress, with every stage timed and its reports counted."""
 
         @contextmanager
@@ -88,11 +88,11 @@ def render_scene(
     *,
     force: bool = False,
     resume: bool = False,
-    workers: int | None = None,
+    executor: Executor | None = None,
     settings: CaptureConfig | None = None,
     hour: str | None = None,
     moved: int | None = None,
-    progress: Stage = progress_bar,
+    progress: ProgressBar = progress_bar,
 ) -> Timing:
     """Furnish a room, photograph it and write the scene file.
 
@@ -104,7 +104,7 @@ def render_scene(
         out: the scene file; written only when everything is done. Its stem becomes the scene's name.
         force: replace an existing file, and begin anew where a rendering was interrupted.
         resume: go on with an interrupted rendering.
-        workers: processes; None for one a core.
+        executor: does the work; None for a process a core.
         settings: None for those of the layout, see `capture_settings.DEFAULT_CONFIGS`.
         hour: of the day, see `layouts.make_room`; the seed's own if None.
         moved: which other arrangement of the things, see `layouts.make_room`; the room's own if None.
@@ -116,16 +116,17 @@ def render_scene(
     Raises:
         LayoutError: if there is no such layout or hour, or a number is below 1.
         OutputExistsError: if the file, or an interrupted rendering of it, exists and nothing says what to do with it.
-        CaptureError: if the interrupted rendering was begun with other settings.
+        RunStoreError: if the interrupted rendering was begun with other settings.
     """
     check_scene_output(out, force=force)
     settings = settings or DEFAULT_CONFIGS.get(layout, CaptureConfig())
-    timing = Timing(workers if workers is not None else (os.cpu_count() or 1))
+    executor = executor or ProcessExecutor()
+    timing = Timing(executor.workers)
     with timing.stage("room"):
         room = make_room(layout, seed, hour=hour, moved=moved)
     noted = noted_origin(layout, seed, settings, room)
-    store = CaptureStore.begin(out.with_name(f"{out.name}.part"), noted, force=force, resume=resume)
-    scene = capture(room, settings, seed=seed, workers=workers, progress=timing.timed(progress), store=store)
+    store = RunStore.begin(part_folder(out), noted, force=force, resume=resume)
+    scene = capture(room, settings, seed=seed, executor=executor, progress=timing.timed(progress), store=store)
     with timing.stage("file"):
         changed = "".join(f"; {change}" for change in changes(hour, moved))
         save_scene(replace(scene, name=out.stem, source=f"{scene.source}{changed}"), out, force=force)
@@ -211,7 +212,6 @@ def check_scene_output(out: Path, *, force: bool) -> None:
 def noted_origin(layout: str, seed: int, settings: CaptureConfig, room: Room) -> dict[str, Any]:
     """What every picture follows from. The room's fingerprint tells a change of the code that makes rooms."""
     return {
-        "version": __version__,
         "layout": layout,
         "seed": seed,
         "settings": {**asdict(settings), "actions": [action.value for action in settings.actions]},

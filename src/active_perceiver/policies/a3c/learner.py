@@ -14,7 +14,7 @@ from active_perceiver.policies.a3c.checkpoint import Checkpoint
 from active_perceiver.policies.a3c.processes import run_workers
 from active_perceiver.policies.a3c.worker import EpisodeWorker, SharedWeights
 from active_perceiver.policies.config import A3cConfig
-from active_perceiver.policies.monitor import Inspect, Monitor, Progress, Record
+from active_perceiver.policies.monitor import Monitor
 from active_perceiver.policies.network import PolicyNetwork, seeded_network
 from active_perceiver.policies.training_task import TrainingTask
 
@@ -22,22 +22,17 @@ from active_perceiver.policies.training_task import TrainingTask
 def train_a3c(
     training_tasks: Sequence[TrainingTask],
     config: A3cConfig,
-    progress: Progress | None = None,
-    inspect: Inspect | None = None,
+    monitor: Monitor,
     checkpoint: Path | None = None,
-) -> tuple[PolicyNetwork, list[Record]]:
-    """Train a policy for one or several scenes.
+) -> PolicyNetwork:
+    """Train a policy by A3C; an iteration is an update, a sample a step of an episode. See `Learner.train`.
 
     Args:
         training_tasks: one per scene, with features of one backbone.
         config: see `A3cConfig`.
-        progress: is called with every record of the history.
-        inspect: is shown every record with the policy tables it measures.
+        monitor: watches the training, and says when it is over.
         checkpoint: a file that keeps the state of the training, written at every measurement and whatever ends it;
             a training that finds it goes on from there.
-
-    Returns:
-        The network and the history, see `Monitor`; an iteration is an update, a sample a step of an episode.
 
     Raises:
         SearchError: if there are no problems, they do not go together, or the checkpoint is of another training.
@@ -52,7 +47,7 @@ def train_a3c(
     state = Checkpoint.start(config, len(searches))
     if checkpoint is not None and checkpoint.exists():
         state = Checkpoint.load(checkpoint, config, shared)
-    monitor = Monitor(training_tasks, config, progress, inspect, state.history)
+    monitor.start(state.history)
     state.history = monitor.history
     workers = [
         EpisodeWorker(training_task, target, shared.network, config, number, state.episodes[number])
@@ -73,7 +68,7 @@ def train_a3c(
     finally:
         if checkpoint is not None:
             state.save(checkpoint, shared)
-    return shared.network, monitor.history
+    return shared.network
 
 
 def _take_turns(
