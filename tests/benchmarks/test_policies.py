@@ -140,7 +140,7 @@ def test_an_interrupted_run_goes_on(agent_folder: Path, tmp_path: Path) -> None:
         run_benchmark(PoliciesBenchmark([agent_folder], settings, first), files)
     with pytest.raises(OutputExistsError, match="--resume"):
         run_benchmark(PoliciesBenchmark([agent_folder], settings, second), files)
-    with pytest.raises(UserError, match=r"iterations, learners"):
+    with pytest.raises(UserError, match="learners, iterations"):
         run_benchmark(PoliciesBenchmark([agent_folder], dataclasses.replace(settings, iterations=3), second), resumed)
     body = run_benchmark(PoliciesBenchmark([agent_folder], settings, second), resumed)
     assert [[one.config.seed for one in some.done] for some in (first, second)] == [[0], [1]]

@@ -60,7 +60,7 @@ def test_the_commands_lead_to_an_agent_that_finds_its_targets(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(compiled, "MAX_TRIANGLES", 2000)
-    monkeypatch.setattr(ProcessExecutor, "map", SerialExecutor.map)
+    monkeypatch.setattr(ProcessExecutor, "map", lambda _, *work: SerialExecutor().map(*work))
     monkeypatch.setattr(photographs, "make_room", lambda layout, seed: box_room())
     for command in commands():
         if "second_photos" in command:  # the reader's second room is the first one, not labelled

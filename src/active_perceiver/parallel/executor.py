@@ -75,9 +75,13 @@ class SerialExecutor:
         for number, item in enumerate(items):
             progress(number, len(items))
             with told_to(lambda note, done=number: progress(done, len(items), note)):  # type: ignore[misc]
-                result = function(shared, item)
+                result = self.call(function, shared, item)
             progress(number + 1, len(items))
             yield result
+
+    def call(self, function: Callable[[Shared, Item], Result], shared: Shared, item: Item) -> Result:
+        """Do one item."""
+        return function(shared, item)
 
 
 _listener: Callable[[str], object] | None = None

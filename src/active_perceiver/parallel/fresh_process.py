@@ -7,7 +7,7 @@ import pickle
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -16,6 +16,7 @@ from active_perceiver.parallel.executor import (
     KILLED,
     Item,
     Result,
+    SerialExecutor,
     Shared,
     WorkerError,
     tell,
@@ -23,40 +24,23 @@ from active_perceiver.parallel.executor import (
     told_to,
 )
 from active_perceiver.parallel.process_pool import leave_to_parent
-from active_perceiver.utils.progress import ProgressCallback, quiet
 
 # Seconds that a process which is stopped has to clean up before it is killed.
 PATIENCE = 10.0
 
 
-class FreshProcessExecutor:
+class FreshProcessExecutor(SerialExecutor):
     """Does one item after the other, each in a process of its own.
 
     Args:
         threads: CPU threads of the libraries in it.
     """
 
-    workers = 1
-
     def __init__(self, threads: int = 1) -> None:
         self.threads = threads
 
-    def map(
-        self,
-        function: Callable[[Shared, Item], Result],
-        items: Sequence[Item],
-        shared: Shared,
-        progress: ProgressCallback = quiet,
-    ) -> Iterator[Result]:
-        """See `Executor.map`."""
-        for number, item in enumerate(items):
-            progress(number, len(items))
-            with told_to(lambda note, done=number: progress(done, len(items), note)):  # type: ignore[misc]
-                result = self._done(function, shared, item)
-            progress(number + 1, len(items))
-            yield result
-
-    def _done(self, function: Callable[[Shared, Item], Result], shared: Shared, item: Item) -> Result:
+    def call(self, function: Callable[[Shared, Item], Result], shared: Shared, item: Item) -> Result:
+        """Call the function in a new process, which is ended whatever happens."""
         context = multiprocessing.get_context("spawn")
         here, there = context.Pipe(duplex=False)
         process = context.Process(target=_work, args=(there, function, shared, item))

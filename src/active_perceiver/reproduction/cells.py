@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.policies.evaluation import Evaluation, episode_evaluation, exact_evaluation, mean_evaluation
 from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.training_task import TrainingTask
@@ -74,30 +74,29 @@ class Cells:
     """
 
     def __init__(self, folder: Path, scale: BudgetConfig, goal_observations: PolicyInputs) -> None:
-        self._folder = folder
+        # The names of what it holds say what that follows from: nothing stale is taken for a result.
+        self._store = RunStore(folder)
         self._scale = scale
         self._sights = goal_observations
 
     def done(self, cell: Cell) -> bool:
         """Whether its result is there."""
-        return self._path(cell, "json").is_file()
+        return self._store.record(self._name(cell)) is not None
 
     def result(self, cell: Cell) -> dict[str, Any]:
         """The body of its result file; trains and measures if it is not there."""
-        if not self.done(cell):
-            self._run(cell)
-        return json.loads(self._path(cell, "json").read_text())
+        record = self._store.record(self._name(cell))
+        return self._run(cell) if record is None else record
 
     def tables(self, cell: Cell) -> dict[str, dict[str, NDArray[np.float64]]]:
         """Its policy at the start, in the middle and at the end of training: moment -> scene -> (S, T, A)."""
-        path = self._path(cell, "npz")
-        if not (self.done(cell) and path.is_file()):
+        if not self.done(cell) or self._store.load(self._name(cell)) is None:
             self._run(cell)
-        with np.load(path, allow_pickle=False) as file:
-            return {
-                moment: {scene: _normal(file[f"{moment}/{scene}"]) for scene in self._searches(cell)}
-                for moment in MOMENTS
-            }
+        arrays = self._store.loaded(self._name(cell))
+        return {
+            moment: {scene: _normal(arrays[f"{moment}/{scene}"]) for scene in self._searches(cell)}
+            for moment in MOMENTS
+        }
 
     def training_tasks(self, cell: Cell) -> list[TrainingTask]:
         """What it searches for, one for each scene."""
@@ -113,8 +112,8 @@ class Cells:
     def _config(self, cell: Cell) -> Any:
         return cell.learner and self._scale.config(cell.learner, cell.setup, cell.method, cell.seed, cell.choice)
 
-    def _path(self, cell: Cell, suffix: str) -> Path:
-        """The name holds a hash of all that the result depends on, so that no stale one is taken for it."""
+    def _name(self, cell: Cell) -> str:
+        """Holds a hash of all that the result depends on."""
         config, boxes = self._config(cell), self._boxes(cell)
         facts = {
             "searches": self._searches(cell),
@@ -122,9 +121,12 @@ class Cells:
             "config": config and stored_names(asdict(config), LEARNER),  # so that results of before count as done
             "protocol": [self._scale.episodes, self._scale.limit],
         }
-        return self._folder / f"{cell.name}-{short_hash(facts)}.{suffix}"
+        return f"{cell.name}-{short_hash(facts)}"
 
-    def _run(self, cell: Cell) -> None:
+    def _path(self, cell: Cell, suffix: str) -> Path:
+        return self._store.path(self._name(cell), suffix)
+
+    def _run(self, cell: Cell) -> dict[str, Any]:
         training_tasks, config = self.training_tasks(cell), self._config(cell)
         started = time.monotonic()
         moments, history = self._train(cell, training_tasks) if cell.learner else (_random_walk(training_tasks), [])
@@ -152,8 +154,9 @@ class Cells:
                 for table, training_task in zip(tables, training_tasks, strict=True)
             }
             np.savez_compressed(file, **arrays)
-        write_result(self._path(cell, "json"), "reproduce", body)
+        written = write_result(self._path(cell, "json"), "reproduce", body)
         self._path(cell, "checkpoint").unlink(missing_ok=True)
+        return written
 
     def _train(
         self, cell: Cell, training_tasks: Sequence[TrainingTask]

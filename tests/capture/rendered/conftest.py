@@ -17,5 +17,5 @@ def small_work() -> Iterator[pytest.MonkeyPatch]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compiled, "MAX_TRIANGLES", 2000)
-        patch.setattr(ProcessExecutor, "map", SerialExecutor.map)
+        patch.setattr(ProcessExecutor, "map", lambda _, *work: SerialExecutor().map(*work))
         yield patch
