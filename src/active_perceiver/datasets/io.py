@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.hdf5_values import check_stored, read_whole
-from active_perceiver.scenes.images import MAX_PIXELS, boxes_in_square, encode_image, square_image
+from active_perceiver.scenes.image_files import MAX_PIXELS
+from active_perceiver.scenes.images import boxes_in_square, encode_image, square_image
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import Scene, SceneError
 

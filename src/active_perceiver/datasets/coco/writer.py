@@ -8,7 +8,6 @@ they come back as labelled. The floor plan stays behind.
 
 from __future__ import annotations
 
-import io
 import json
 import shutil
 import tempfile
@@ -16,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from active_perceiver.datasets.coco.reader import PROPOSED_KEY
 from active_perceiver.datasets.photos.pose_table import write_moves, write_poses
 from active_perceiver.scenes.box_labels import label_states, view_file_names
+from active_perceiver.scenes.image_files import upright
 from active_perceiver.scenes.images import image_suffix
 from active_perceiver.scenes.scene import PROPOSED, UNLABELLED, Scene, SceneError
 from active_perceiver.utils.files import OutputExistsError
@@ -57,8 +56,8 @@ def coco_annotations(scene: Scene) -> dict[str, Any]:
     for view, name in enumerate(view_file_names(scene)):
         if states[view] == UNLABELLED:
             continue
-        with Image.open(io.BytesIO(scene.views[view])) as image:
-            width, height = image.size
+        shown = upright(scene.views[view], f"view {view}")
+        width, height = shown.width, shown.height
         proposed = {PROPOSED_KEY: True} if states[view] == PROPOSED else {}
         images.append({"id": view + 1, "file_name": name, "width": width, "height": height, **proposed})
         boxes = scene.boxes[view].astype(float) * [width, height, width, height]
