@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +17,7 @@ from active_perceiver.scenes.image_files import MAX_PIXELS
 from active_perceiver.scenes.images import boxes_in_square, encode_image, square_image
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import Scene, SceneError
+from active_perceiver.utils.json_reader import DuplicateKeyError, parse_json
 
 ALL_ACTIONS = tuple(Action)
 # Metres between two places that count as one, and degrees between two headings or tilts that count as one.
@@ -43,15 +43,17 @@ def read_json(path: Path) -> Any:
     """The content of a JSON file.
 
     Raises:
-        SceneError: if the file is missing, cannot be read or is not JSON.
+        SceneError: if the file is missing, cannot be read, is not JSON or names a key twice.
     """
     try:
-        return json.loads(path.read_bytes())
+        return parse_json(path.read_bytes())
     except FileNotFoundError:
         raise SceneError(f"there is no {path.name} in {path.parent}; it belongs to the format") from None
     except OSError as error:
         raise SceneError(f"{path} cannot be read ({error.strerror})") from None
-    except (ValueError, RecursionError) as error:
+    except DuplicateKeyError as error:
+        raise SceneError(f"{path}: {error}") from None
+    except ValueError as error:
         raise SceneError(f"{path} is not valid JSON ({error}); it may be truncated, copy it again") from None
 
 
