@@ -95,14 +95,16 @@ def _lines(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
     for number, line in enumerate(lines, 1):
+        value, reason = None, "it is no JSON object"
         try:
-            value = parse_json(line) if line.endswith(b"\n") else None
-        except ValueError:
-            value = None
+            if line.endswith(b"\n"):
+                value = parse_json(line)
+        except ValueError as error:
+            reason = f"{reason} ({error})"
         if isinstance(value, dict):
             yield number, value
         elif number < len(lines):
-            raise RecordingError(f"line {number} of {path} is damaged: it is no JSON object; repair or delete it")
+            raise RecordingError(f"line {number} of {path} is damaged: {reason}; repair or delete it")
 
 
 def _checked_end(value: dict[str, Any]) -> dict[str, Any]:
