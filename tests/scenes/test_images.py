@@ -290,3 +290,20 @@ def test_exif_turns_every_format(kind, picture):
     data = encoded(picture, kind, exif=exif)
     assert decode_image(data).shape == (30, 20, 3)
     assert upright(data) == Upright(20, 30, True)
+
+
+def test_large_images_of_other_kinds_are_made_smaller_for_a_small_square(monkeypatch):
+    monkeypatch.setattr(images, "_LARGE", 100)
+    down, across = np.mgrid[:200, :320] / 40
+    image = (127 + 60 * np.stack([np.sin(down), np.cos(across), np.sin(down + across)], -1)).astype(np.uint8)
+    exif = Image.Exif()
+    exif[274] = 6
+    data = encoded(Image.fromarray(image), "PNG", exif=exif)
+    shapes = {side: decode_image(data, side=side).shape for side in (400, 320, 161, 160, 80, 1)}
+    assert shapes == {
+        400: (320, 200, 3), 320: (320, 200, 3), 161: (320, 200, 3), 160: (160, 100, 3), 80: (80, 50, 3), 1: (1, 1, 3),
+    }  # fmt: skip
+    whole = square_image(decode_image(data), 80).astype(int)
+    assert np.abs(square_image(decode_image(data, side=80), 80) - whole).mean() < 2
+    for picture in (Image.fromarray(image[..., 0] * np.uint16(257)), Image.fromarray(image).quantize(64)):
+        assert decode_image(encoded(picture), side=80).shape == (200, 320, 3)

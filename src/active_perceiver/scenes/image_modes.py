@@ -32,7 +32,7 @@ def as_rgb(image: Image.Image, name: str) -> Image.Image:
     if image.mode in ("LAB", "HSV"):
         raise ImageError(f"{name} has colours of kind {image.mode}; save it as RGB")
     if image.has_transparency_data:
-        image = image.convert("RGBA")
+        image = image if image.mode == "RGBA" else image.convert("RGBA")
         ground = Image.new("RGBA", image.size, (*TRANSPARENT_BACKGROUND, 255))
         image = Image.alpha_composite(ground, image)
     return image if image.mode == "RGB" else image.convert("RGB")

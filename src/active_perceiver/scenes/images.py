@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 import threading
-from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,8 @@ from active_perceiver.scenes.image_modes import as_rgb
 
 # Images of more pixels are decoded one at a time, so that a page of thumbnails cannot fill the memory.
 _LARGE, _ONE_AT_A_TIME = 8_000_000, threading.Lock()
+# Modes whose pixels can be averaged; numbers of a palette cannot, and Pillow cannot average 16 bits.
+_REDUCIBLE = ("L", "LA", "RGB", "RGBA", "CMYK", "YCbCr")
 
 
 def decode_image(data: bytes, name: str = "image", side: int | None = None) -> NDArray[np.uint8]:
@@ -30,6 +31,7 @@ def decode_image(data: bytes, name: str = "image", side: int | None = None) -> N
         name: what to call it in an error.
         side: of the square that `square_image` will fit it into. A JPEG at least twice as large is decoded at a
             half, a quarter or an eighth of its size, but no smaller than it will be; this is many times faster.
+            Other images are made smaller, to save memory, if they have more than 8 million pixels.
 
     Returns:
         (H, W, 3) uint8.
@@ -41,9 +43,21 @@ def decode_image(data: bytes, name: str = "image", side: int | None = None) -> N
         if side is not None:
             scale = side / max(image.size)
             image.draft(None, (math.floor(image.width * scale) or 1, math.floor(image.height * scale) or 1))
-        with _ONE_AT_A_TIME if image.width * image.height > _LARGE else nullcontext():
-            ImageOps.exif_transpose(image, in_place=True)
-            return np.asarray(as_rgb(image, name))
+        if image.width * image.height <= _LARGE:
+            return _decoded(image, name)
+        with _ONE_AT_A_TIME:
+            return _decoded(image, name, side)
+
+
+def _decoded(image: Image.Image, name: str, side: int | None = None) -> NDArray[np.uint8]:
+    """The pixels, upright; if a side is given, of an image that is whole times smaller but not smaller than that."""
+    ImageOps.exif_transpose(image, in_place=True)
+    factor = max(image.size) // side if side is not None and image.mode in _REDUCIBLE else 1
+    shown = image.reduce(factor) if factor > 1 else image
+    try:
+        return np.asarray(as_rgb(shown, name))
+    finally:
+        image.close()  # its pixels as well, before the next large one is decoded
 
 
 def read_image(path: Path | str) -> NDArray[np.uint8]:
