@@ -22,7 +22,7 @@ from active_perceiver.errors import UserError
 from active_perceiver.robots.ai2thor import ThorConfig, ThorError
 from active_perceiver.scenes import EIGHT_ACTIONS, Action, load_scene, open_scene
 from active_perceiver.scenes.checking import scene_issues
-from active_perceiver.scenes.images import TRANSPARENT_BACKGROUND
+from active_perceiver.scenes.image_modes import TRANSPARENT_BACKGROUND
 from active_perceiver.scenes.lattice import lattice_poses
 from active_perceiver.utils.files import OutputExistsError
 from helpers import thor_controller

@@ -17,7 +17,7 @@ from active_perceiver.datasets.avd.reader import import_avd
 from active_perceiver.datasets.io import boxes_of_corners
 from active_perceiver.datasets.target_pictures import crop_pictures
 from active_perceiver.scenes import Action, Scene, SceneError, load_scene
-from active_perceiver.scenes.images import ImageError
+from active_perceiver.scenes.image_files import ImageError
 from helpers.foreign import AVD_ACTIONS, avd_name, avd_records, avd_scene, write_avd, write_records
 
 

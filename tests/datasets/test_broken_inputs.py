@@ -7,7 +7,7 @@ import pytest
 
 import active_perceiver.cli.main
 from active_perceiver.scenes import Scene, SceneError, load_scene
-from active_perceiver.scenes.hdf5 import check_heaps
+from active_perceiver.scenes.hdf5_heaps import check_heaps
 from helpers.broken_inputs import SOURCES, Verdict, judged, run_inputs
 
 COUNTS = {

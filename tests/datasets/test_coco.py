@@ -246,3 +246,9 @@ def test_with_boxes_refuses_what_does_not_fit(scene):
     with pytest.raises(SceneError, match="unlabelled"):
         with_boxes(scene, {0: np.full((3, 4), 0.5)}, UNLABELLED)
     assert with_boxes(scene, {0: scene.boxes[0]}).labels is None
+
+
+def test_a_key_that_is_there_twice_is_refused(good, tmp_path):
+    text = json.dumps(good).replace('"bbox": [20, 10, 40, 30]', '"bbox": [20, 10, 40, 30], "bbox": [0, 0, 1, 1]')
+    with pytest.raises(SceneError, match=r"coco\.json: key 'bbox' is there twice in one object; remove one of them"):
+        read(text, tmp_path)

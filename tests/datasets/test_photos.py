@@ -13,13 +13,13 @@ from PIL import Image
 
 from active_perceiver.cli.main import main
 from active_perceiver.datasets.coco.writer import export_coco
-from active_perceiver.datasets.photos.photo_files import upright
 from active_perceiver.datasets.photos.pose_snapping import LatticeConfig
 from active_perceiver.datasets.photos.pose_table import read_moves, read_poses, write_moves
 from active_perceiver.datasets.photos.reader import PhotoConfig, import_photos
 from active_perceiver.errors import UserError
 from active_perceiver.scenes import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action, Scene, Target, load_scene
 from active_perceiver.scenes.checking import scene_issues
+from active_perceiver.scenes.image_files import upright
 from active_perceiver.scenes.images import boxes_in_square, square_image
 from active_perceiver.scenes.lattice import lattice_transitions
 from active_perceiver.scenes.scene import LABELLED, PROPOSED, UNLABELLED
@@ -251,7 +251,7 @@ def odd_size(folder):
         (lambda f: (f / "poses.csv").write_bytes(b"file,x\xff"), "not text in UTF-8"),
         (lambda f: replaced(f / "poses.csv", "IMG_0001", '"IMG_0001'), "not a sound table"),
         (odd_size, r"upright, 64 x 48 pixels, but not IMG_0003\.jpg \(48 x 64\)"),
-        (lambda f: (f / "IMG_0003.jpg").write_bytes(b"no image"), r"IMG_0003\.jpg is not an image Pillow can read"),
+        (lambda f: (f / "IMG_0003.jpg").write_bytes(b"no image"), r"IMG_0003\.jpg is not an image that is read"),
         (cut_short, r"IMG_0003\.jpg is broken"),
         (lambda f: shutil.rmtree(f / "targets"), "there is no folder .*targets; make it"),
         (lambda f: (f / "targets" / "nothing").mkdir(), "no picture in .*nothing"),

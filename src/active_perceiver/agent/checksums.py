@@ -8,6 +8,7 @@ from pathlib import Path
 
 from active_perceiver.agent.config import AgentError
 from active_perceiver.utils.files import replacing
+from active_perceiver.utils.json_reader import parse_json
 
 CHECKSUMS_FILE = "checksums.json"
 
@@ -32,7 +33,7 @@ def check_files(folder: Path) -> None:
     if not path.is_file():
         return
     try:
-        sums = dict(json.loads(path.read_text())["sha256"])
+        sums = dict(parse_json(path.read_bytes())["sha256"])
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise AgentError(f"{path} is damaged ({type(error).__name__}); copy or export the agent again") from None
     for name, expected in sums.items():

@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 from active_perceiver.errors import UserError
 from active_perceiver.scenes import Action
 from active_perceiver.utils.files import replacing
+from active_perceiver.utils.json_reader import parse_json
 from active_perceiver.utils.stored_names import AGENT, current_names
 
 FORMAT = "active-perceiver-agent"
@@ -93,7 +94,7 @@ class AgentConfig:
         """
         path = folder / "config.json"
         try:
-            data = json.loads(path.read_text())
+            data = parse_json(path.read_bytes())
         except (FileNotFoundError, NotADirectoryError):
             raise AgentError(
                 f"{folder} is not an agent: it has no config.json; `active-perceiver train` makes one"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.robots.ai2thor import ThorError, event_image
-from active_perceiver.scenes.images import TRANSPARENT_BACKGROUND
+from active_perceiver.scenes.image_modes import TRANSPARENT_BACKGROUND
 
 # An object that covers less of the view than this counts as not visible, as in the bundled scenes.
 SMALLEST_VISIBLE = 0.0005

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,12 +11,13 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.errors import UserError
 from active_perceiver.scenes.angles import signed_angle
-from active_perceiver.scenes.hdf5 import check_stored
-from active_perceiver.scenes.images import MAX_PIXELS, boxes_in_square, encode_image, square_image
+from active_perceiver.scenes.hdf5_values import check_stored, read_whole
+from active_perceiver.scenes.image_files import MAX_PIXELS
+from active_perceiver.scenes.images import boxes_in_square, encode_image, square_image
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import Scene, SceneError
+from active_perceiver.utils.json_reader import DuplicateKeyError, parse_json
 
 ALL_ACTIONS = tuple(Action)
 # Metres between two places that count as one, and degrees between two headings or tilts that count as one.
@@ -44,15 +43,17 @@ def read_json(path: Path) -> Any:
     """The content of a JSON file.
 
     Raises:
-        SceneError: if the file is missing, cannot be read or is not JSON.
+        SceneError: if the file is missing, cannot be read, is not JSON or names a key twice.
     """
     try:
-        return json.loads(path.read_bytes())
+        return parse_json(path.read_bytes())
     except FileNotFoundError:
         raise SceneError(f"there is no {path.name} in {path.parent}; it belongs to the format") from None
     except OSError as error:
         raise SceneError(f"{path} cannot be read ({error.strerror})") from None
-    except (ValueError, RecursionError) as error:
+    except DuplicateKeyError as error:
+        raise SceneError(f"{path}: {error}") from None
+    except ValueError as error:
         raise SceneError(f"{path} is not valid JSON ({error}); it may be truncated, copy it again") from None
 
 
@@ -96,28 +97,6 @@ def numbers(values: Any, count: int, where: str) -> list[float]:
     return [float(value) for value in values[:count]]
 
 
-@contextmanager
-def open_hdf5(path: Path) -> Iterator[h5py.File]:
-    """An HDF5 file to read from; whatever is broken in it ends in a sentence.
-
-    Raises:
-        SceneError: if the file is missing, is not HDF5, or cannot be read to the end.
-    """
-    if not path.is_file():
-        raise SceneError(f"there is no file {path}")
-    try:
-        with h5py.File(path, "r") as file:
-            yield file
-    except UserError:
-        raise
-    # What h5py raises where a file is damaged depends on the place of the damage.
-    except (OSError, RuntimeError, KeyError, TypeError, ValueError, MemoryError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise SceneError(
-            f"{path} is not a readable HDF5 file ({reason}); it may be truncated, copy it again"
-        ) from None
-
-
 def dataset(file: h5py.File, name: str, shape: Sequence[int | None], kinds: str, path: Path) -> h5py.Dataset:
     """A dataset of an HDF5 file, of the shape and type that the format says.
 
@@ -153,7 +132,7 @@ def finite(found: h5py.Dataset, path: Path) -> NDArray[np.float64]:
     Raises:
         SceneError: if some are not.
     """
-    values = found[()].astype(np.float64)
+    values = read_whole(found, f"{path}: ").astype(np.float64)
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
         raise SceneError(

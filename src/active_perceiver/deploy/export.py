@@ -57,6 +57,9 @@ record = search(agent, robot, read_image("{picture}"), scene="{branch}")
 ```
 
 `checksums.json` is compared with the files whenever the agent is loaded.
+
+Nothing of this calls anybody: the software tells ONNX Runtime so before it loads it. If your own program imports
+`onnxruntime` before `active_perceiver`, set `ORT_DISABLE_TELEMETRY=1` in its environment.
 """
 
 

@@ -21,6 +21,7 @@ from active_perceiver.labelling.label_store import ChangedMeanwhileError
 from active_perceiver.labelling.view_labels import LabelError, ViewLabels
 from active_perceiver.scenes import ImageError, decode_image
 from active_perceiver.scenes.images import encode_image, image_suffix
+from active_perceiver.utils.json_reader import parse_json
 
 if TYPE_CHECKING:
     from active_perceiver.labelling.server import LabellingServer
@@ -153,8 +154,8 @@ class Handler(BaseHTTPRequestHandler):
         if len(length) > 9 or int(length) > LARGEST_POST:
             raise _Refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"{LARGEST_POST} bytes are the most at once")
         try:
-            posted = json.loads(self.rfile.read(int(length)))
-        except (ValueError, RecursionError):
+            posted = parse_json(self.rfile.read(int(length)))
+        except ValueError:
             raise _Refusal(HTTPStatus.BAD_REQUEST, "what was posted is not JSON") from None
         if not isinstance(posted, dict) or posted.keys() != POSTED_FIELDS[path]:
             fields = ", ".join(sorted(POSTED_FIELDS[path]))

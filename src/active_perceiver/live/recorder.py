@@ -33,6 +33,7 @@ from active_perceiver.live.config import RecordingHeader
 from active_perceiver.scenes import ImageError, decode_image
 from active_perceiver.scenes.images import encode_image, image_suffix
 from active_perceiver.utils.files import OutputExistsError, flush_folder, replacing
+from active_perceiver.utils.json_reader import parse_json
 
 FORMAT = "active-perceiver-recording"
 VERSION = 1
@@ -88,8 +89,8 @@ def check_folder(folder: Path, force: bool) -> None:
 def header_of(path: Path) -> dict[str, Any] | None:
     """The content of a `recording.json`; None if it is not there or something else."""
     try:
-        header = json.loads(path.read_text())
-    except (OSError, ValueError, RecursionError):
+        header = parse_json(path.read_bytes())
+    except (OSError, ValueError):
         return None
     return header if isinstance(header, dict) and header.get("format") == FORMAT else None
 

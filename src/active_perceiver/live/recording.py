@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +26,7 @@ from active_perceiver.live.recorder import (
 from active_perceiver.live.search_loop import FOUND
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.scenes import Action, decode_image, read_image
+from active_perceiver.utils.json_reader import parse_json
 
 
 @dataclass(frozen=True)
@@ -95,14 +95,16 @@ def _lines(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
     for number, line in enumerate(lines, 1):
+        value, reason = None, "it is no JSON object"
         try:
-            value = json.loads(line) if line.endswith(b"\n") else None
-        except (ValueError, RecursionError):
-            value = None
+            if line.endswith(b"\n"):
+                value = parse_json(line)
+        except ValueError as error:
+            reason = f"{reason} ({error})"
         if isinstance(value, dict):
             yield number, value
         elif number < len(lines):
-            raise RecordingError(f"line {number} of {path} is damaged: it is no JSON object; repair or delete it")
+            raise RecordingError(f"line {number} of {path} is damaged: {reason}; repair or delete it")
 
 
 def _checked_end(value: dict[str, Any]) -> dict[str, Any]:

@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import onnxruntime
 from numpy.typing import NDArray
 
 from active_perceiver.errors import SearchError
 from active_perceiver.vision.location import GRID
-from active_perceiver.vision.sessions import ModelFileError, open_session
+from active_perceiver.vision.sessions import ModelFileError, onnxruntime, open_session
 
 if TYPE_CHECKING:
     from active_perceiver.envs.observations import Observations

@@ -2,7 +2,8 @@
 
 from active_perceiver.scenes.bundled import bundled_names, open_scene
 from active_perceiver.scenes.floor_plan import FloorPlan
-from active_perceiver.scenes.images import ImageError, decode_image, read_image
+from active_perceiver.scenes.image_files import ImageError
+from active_perceiver.scenes.images import decode_image, read_image
 from active_perceiver.scenes.lattice import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action
 from active_perceiver.scenes.scene import Scene, SceneError, Target
 from active_perceiver.scenes.storage import load_scene, save_scene

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from active_perceiver.scenes.images import ImageError, image_suffix
+from active_perceiver.scenes.image_files import ImageError
+from active_perceiver.scenes.images import image_suffix
 from active_perceiver.scenes.scene import LABELLED, UNLABELLED, Scene, SceneError
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from active_perceiver.scenes.images import ImageError
+from active_perceiver.scenes.image_files import ImageError
 from active_perceiver.scenes.lattice import UNREACHABLE, goal_states, islands, steps_to_goal
 from active_perceiver.scenes.scene import PROPOSED, UNLABELLED, Scene
 

@@ -1,73 +1,185 @@
-"""What HDF5's own library does not check in a damaged file: it then reads for ever, or fills the memory."""
+"""The one place that opens HDF5 files: what could reach outside the file, crash or fill the memory is refused first.
+
+A file may come from anybody. HDF5 lets it name other files to read from (external storage, external links, virtual
+datasets), and its library trusts sizes and layouts that crash it. So every object is looked at before data is read.
+"""
 
 from __future__ import annotations
 
-import mmap
-import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from active_perceiver.errors import UserError
+from active_perceiver.scenes.hdf5_heaps import check_heaps
 from active_perceiver.scenes.scene import SceneError
 
 if TYPE_CHECKING:
     import h5py
 
-# A collection of the global heap, which holds values of varying length, begins with its mark, version, three unused
-# bytes and size; each value with its number, count, four unused bytes and size. See "Disk Format: Level 1E" of
-# https://support.hdfgroup.org/documentation/hdf5/latest/_f_m_t3.html.
-_COLLECTION = struct.Struct("<4sB3xQ")
-_VALUE = struct.Struct("<HH4xQ")
-_MARK = b"GCOL\x01"
-# No filter of HDF5 makes data smaller than by this, deflate's limit; smaller datasets than so many bytes do no harm.
-_LARGEST_RATIO, _HARMLESS = 1100, 1_000_000
+MAX_OBJECTS = 200_000
+"""Groups, datasets and links of a file; offline AI2-THOR data has a dataset for each of some 20 000 views."""
+MAX_CHUNK = 256_000_000
+"""Bytes of a chunk, which is unpacked whole whatever is asked of it. h5py makes chunks of at most 1 MB."""
+MAX_RATIO, HARMLESS_TOTAL = 100, 4_000_000_000
+"""How many times its size a file may unpack to, once that is more than so many bytes, which take some ten seconds.
+Pictures pack to a tenth. How much of it is in memory at a time is limited where values are read."""
+FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
+"""What h5py unpacks by itself. Others are plug-ins, code that HDF5 would look for on this computer and run."""
 
 
-def check_stored(dataset: h5py.Dataset, before: str = "") -> None:
-    """Make sure that a dataset is not said to be far larger than what the file has of it.
+def h5py_module() -> Any:
+    """The library of scene files, imported when the first one is: a robot needs none, and is not asked to have it.
+
+    Raises:
+        SceneError: if it is not installed.
+    """
+    try:
+        import h5py
+    except ImportError:
+        raise SceneError("scene files are read and written with h5py, which is not here: pip install h5py") from None
+    return h5py
+
+
+@contextmanager
+def open_hdf5(path: Path) -> Iterator[h5py.File]:
+    """An HDF5 file to read from, none of whose objects leads out of it; whatever is broken ends in a sentence.
+
+    It is not locked: some network disks cannot, and files of this software are replaced whole, never changed.
+
+    Raises:
+        SceneError: if the file is missing, is not HDF5, is refused (see `check_contents`) or cannot be read to the
+            end, or if h5py is not installed.
+    """
+    h5py = h5py_module()
+    if not path.is_file():
+        raise SceneError(f"there is no file {path}")
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            try:
+                check_heaps(path)
+                check_contents(file, path.stat().st_size)
+            except SceneError as error:
+                raise SceneError(f"{path}: {error}") from None
+            yield file
+    except UserError:
+        raise
+    # What h5py raises where a file is damaged depends on the place of the damage.
+    except (OSError, RuntimeError, MemoryError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise SceneError(
+            f"{path} is not a readable HDF5 file ({reason}); it may be truncated, copy it again"
+        ) from None
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        reason = " ".join(str(error).split())
+        raise SceneError(f"{path} is damaged or not of this format: {reason:.200}") from None
+
+
+@contextmanager
+def create_hdf5(path: Path) -> Iterator[h5py.File]:
+    """A new HDF5 file to write to, not locked either: it is a temporary one that nobody else knows."""
+    with h5py_module().File(path, "w", locking=False) as file:
+        yield file
+
+
+@dataclass
+class _Contents:
+    """What was looked at of a file so far."""
+
+    objects: int = 0
+    unpacked: int = 0
+
+    def count(self, objects: int) -> None:
+        self.objects += objects
+        if self.objects > MAX_OBJECTS:
+            raise SceneError(f"it holds more than {MAX_OBJECTS} objects, which no scene needs; split it")
+
+
+def check_contents(file: h5py.File, size: int) -> None:
+    """Look at all links and datasets of a file, without reading data or following what leads out.
 
     Args:
-        dataset: what will be read.
-        before: what the error begins with.
+        file: just opened.
+        size: of the file in bytes.
 
     Raises:
-        SceneError: if it is.
+        SceneError: if there is an external or broken link, external storage, a virtual dataset, a filter that h5py
+            does not bring, a huge chunk, too many objects, or data packed so tightly that no picture can be.
     """
-    if dataset.nbytes > _HARMLESS and dataset.nbytes > _LARGEST_RATIO * dataset.id.get_storage_size():
-        name = str(dataset.name).lstrip("/")
+    h5py = h5py_module()
+    contents, soft = _Contents(), []
+    groups, seen = [("", file["/"].id)], {h5py.h5o.get_info(file["/"].id).addr}
+    while groups:
+        place, group = groups.pop()
+        contents.count(len(group))
+        for name in group:
+            label = f"{place}/{name.decode('utf-8', 'replace')}"
+            kind = group.links.get_info(name).type
+            if kind == h5py.h5l.TYPE_SOFT:
+                soft.append((label, group, name))
+                continue
+            if kind != h5py.h5l.TYPE_HARD:
+                raise SceneError(
+                    f"'{label.lstrip('/')}' is a link to another file, and nothing but the file itself is read; copy "
+                    "what it leads to into the file (h5py: copy(..., expand_external=True))"
+                )
+            found = h5py.h5o.get_info(group, name)
+            if found.addr in seen:
+                continue
+            seen.add(found.addr)
+            if found.type == h5py.h5o.TYPE_GROUP:
+                groups.append((label, h5py.h5g.open(group, name)))
+            elif found.type == h5py.h5o.TYPE_DATASET:
+                contents.unpacked += _checked_dataset(h5py.h5d.open(group, name), label.lstrip("/"))
+    if contents.unpacked > max(HARMLESS_TOTAL, MAX_RATIO * size):
         raise SceneError(
-            f"{before}'{name}' should have shape {dataset.shape}, but most of it is not in the file; copy it again"
+            f"it unpacks to {contents.unpacked / 1e9:.1f} GB, more than {MAX_RATIO} times its size; write it again "
+            "without what is empty"
         )
+    # Only now, when no link leads to another file, may HDF5 follow those that name a place.
+    for label, group, name in soft:
+        try:
+            h5py.h5o.get_info(group, name)
+        except (KeyError, RuntimeError, OSError, ValueError):
+            raise SceneError(
+                f"'{label.lstrip('/')}' is a link that leads nowhere; remove it, or copy the file again"
+            ) from None
 
 
-def check_heaps(path: Path) -> None:
-    """Make sure that the values of varying length in a file follow one another.
-
-    Where a size is zero, HDF5's library comes to the same place again and again.
-
-    Raises:
-        SceneError: if they do not.
-    """
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        start = data.find(_MARK)
-        while start >= 0:
-            end = start + 1
-            if start % 8 == 0:
-                end = _end_of_collection(data, start)
-            start = data.find(_MARK, end)
-
-
-def _end_of_collection(data: mmap.mmap, start: int) -> int:
-    broken = SceneError(f"the values of varying length at byte {start} do not follow one another; copy it again")
-    if start + _COLLECTION.size > len(data):
-        raise broken
-    size = _COLLECTION.unpack_from(data, start)[2]
-    end, place = start + size, start + _COLLECTION.size
-    if not place <= end <= len(data):
-        raise broken
-    while end - place >= _VALUE.size:
-        number, _, length = _VALUE.unpack_from(data, place)
-        # The number 0 is what is left: its length includes its head.
-        place += (length if number == 0 else _VALUE.size + length) + 7 & ~7
-        if place > end or (number == 0 and length == 0):
-            raise broken
-    return end
+def _checked_dataset(dataset: h5py.h5d.DatasetID, label: str) -> int:
+    """Look at how a dataset is stored, before anything that lets HDF5 touch it; returns its bytes unpacked."""
+    h5py = h5py_module()
+    stored = dataset.get_create_plist()
+    if stored.get_layout() == h5py.h5d.VIRTUAL:
+        raise SceneError(
+            f"'{label}' is a virtual dataset, made of other datasets or files, and nothing but the file itself is "
+            "read; write its data into the file"
+        )
+    if stored.get_external_count():
+        other = stored.get_external(0)[0].decode("utf-8", "replace")
+        raise SceneError(
+            f"'{label}' keeps its data in another file, {other!r:.100}, and nothing but the file itself is read; "
+            "write the data into the file (h5repack -l CONTI)"
+        )
+    for number in range(stored.get_nfilters()):
+        code = stored.get_filter(number)[0]
+        if code not in FILTERS:
+            raise SceneError(
+                f"'{label}' is packed by filter {code}, which is code from elsewhere; unpack it where it was made: "
+                "h5repack -f NONE"
+            )
+    length = dataset.get_type().get_size()
+    if stored.get_layout() == h5py.h5d.CHUNKED:
+        chunk = length
+        for side in stored.get_chunk():
+            chunk *= side
+        if chunk > MAX_CHUNK:
+            raise SceneError(
+                f"'{label}' is stored in chunks of {chunk / 1e6:.0f} MB, more than {MAX_CHUNK / 1e6:.0f}; write it "
+                "in smaller ones (h5repack -l CHUNK=...)"
+            )
+    for side in dataset.shape or ():
+        length *= side
+    return int(length)

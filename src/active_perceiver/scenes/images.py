@@ -4,68 +4,60 @@ from __future__ import annotations
 
 import io
 import math
-import struct
+import threading
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps, UnidentifiedImageError
+from PIL import Image, ImageOps
 
-from active_perceiver.errors import UserError
+from active_perceiver.scenes.image_files import ImageError, open_image
+from active_perceiver.scenes.image_modes import as_rgb
 
-# Transparent pictures are laid on the light grey that bundled target pictures have as background.
-TRANSPARENT_BACKGROUND = (225, 225, 225)
-# No target picture or view needs more; a larger header is a mistake or a decompression bomb.
-MAX_PIXELS = 100_000_000
-
-
-class ImageError(UserError, ValueError):
-    """An image that cannot be read; the message says which and what to do."""
+# Images of more pixels are decoded one at a time, so that a page of thumbnails cannot fill the memory.
+_LARGE, _ONE_AT_A_TIME = 8_000_000, threading.Lock()
+# Modes whose pixels can be averaged; numbers of a palette cannot, and Pillow cannot average 16 bits.
+_REDUCIBLE = ("L", "LA", "RGB", "RGBA", "CMYK", "YCbCr")
 
 
 def decode_image(data: bytes, name: str = "image", side: int | None = None) -> NDArray[np.uint8]:
     """Decode an encoded image of any mode as upright RGB.
 
-    EXIF rotation is applied, transparency is laid on light grey, grey and palette images become RGB, 16-bit
-    greys are scaled down.
+    EXIF rotation is applied, transparency is laid on light grey, grey and palette images become RGB, more than 8
+    bits are scaled to 8 by the range of the numbers; of an animation the first picture is taken.
 
     Args:
-        data: an encoded image (WebP, JPEG, PNG or anything Pillow reads).
+        data: an encoded image of one of `image_files.FORMATS`, AVIF or HEIC.
         name: what to call it in an error.
         side: of the square that `square_image` will fit it into. A JPEG at least twice as large is decoded at a
             half, a quarter or an eighth of its size, but no smaller than it will be; this is many times faster.
+            Other images are made smaller, to save memory, if they have more than 8 million pixels.
 
     Returns:
         (H, W, 3) uint8.
 
     Raises:
-        ImageError: if the data is not a readable image.
+        ImageError: if the data is not a readable image, is too large or of another format.
     """
+    with open_image(data, name) as image:
+        if side is not None:
+            scale = side / max(image.size)
+            image.draft(None, (math.floor(image.width * scale) or 1, math.floor(image.height * scale) or 1))
+        if image.width * image.height <= _LARGE:
+            return _decoded(image, name)
+        with _ONE_AT_A_TIME:
+            return _decoded(image, name, side)
+
+
+def _decoded(image: Image.Image, name: str, side: int | None = None) -> NDArray[np.uint8]:
+    """The pixels, upright; if a side is given, of an image that is whole times smaller but not smaller than that."""
+    ImageOps.exif_transpose(image, in_place=True)
+    factor = max(image.size) // side if side is not None and image.mode in _REDUCIBLE else 1
+    shown = image.reduce(factor) if factor > 1 else image
     try:
-        with Image.open(io.BytesIO(data)) as image:
-            if image.width * image.height > MAX_PIXELS:
-                raise ImageError(f"{name} has {image.width} x {image.height} pixels; scale it down first")
-            if side is not None:
-                scale = side / max(image.size)
-                image.draft(None, (math.floor(image.width * scale) or 1, math.floor(image.height * scale) or 1))
-            return np.asarray(_as_rgb(ImageOps.exif_transpose(image)))
-    except UnidentifiedImageError:
-        raise ImageError(f"{name} is not an image Pillow can read; save it as JPEG, PNG or WebP") from None
-    except ImageError:
-        raise
-    # What Pillow raises for files that are damaged somewhere in the middle depends on where.
-    except (OSError, SyntaxError, ValueError, struct.error, Image.DecompressionBombError) as error:
-        raise ImageError(f"{name} is broken or truncated ({error}); save it again as JPEG or PNG") from None
-
-
-def _as_rgb(image: Image.Image) -> Image.Image:
-    if image.mode.startswith("I"):
-        image = Image.fromarray((np.asarray(image).astype(np.float64) / 257.0).clip(0, 255).astype(np.uint8))
-    if image.has_transparency_data:
-        image = image.convert("RGBA")
-        ground = Image.new("RGBA", image.size, (*TRANSPARENT_BACKGROUND, 255))
-        image = Image.alpha_composite(ground, image)
-    return image.convert("RGB")
+        return np.asarray(as_rgb(shown, name))
+    finally:
+        image.close()  # its pixels as well, before the next large one is decoded
 
 
 def read_image(path: Path | str) -> NDArray[np.uint8]:

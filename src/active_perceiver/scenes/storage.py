@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.scenes.floor_plan import FloorPlan
-from active_perceiver.scenes.hdf5 import check_heaps, check_stored
+from active_perceiver.scenes.hdf5 import create_hdf5, h5py_module, open_hdf5
+from active_perceiver.scenes.hdf5_values import MemoryBudget, read_attribute, read_blobs, read_whole
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import Scene, SceneError, Target
 from active_perceiver.utils.files import replacing
@@ -43,8 +44,8 @@ def save_scene(scene: Scene, path: Path | str, *, force: bool = False) -> None:
         OutputExistsError: if the file exists and `force` is false.
         SceneError: if h5py is not installed.
     """
-    h5py = _h5py()
-    with replacing(Path(path), force) as temporary, h5py.File(temporary, "w") as file:
+    h5py_module()  # said before anything is written if it is not there
+    with replacing(Path(path), force) as temporary, create_hdf5(temporary) as file:
         file.attrs.update(
             format=FORMAT,
             version=VERSION,
@@ -78,39 +79,19 @@ def load_scene(path: Path | str) -> Scene:
         SceneError: if the file is missing, not HDF5, truncated, of another format or version, or not sound.
         SceneError: if h5py is not installed.
     """
-    h5py = _h5py()
     path = Path(path)
     if not path.is_file():
         raise SceneError(f"there is no scene file {path}; see `active-perceiver scenes list` for bundled scenes")
-    try:
-        with h5py.File(path, "r") as file:
-            check_heaps(path)
-            return _read(file)
-    except SceneError as error:
-        raise SceneError(f"{path}: {error}") from None
-    # What h5py raises where a file is damaged depends on the place of the damage.
-    except (OSError, RuntimeError, MemoryError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise SceneError(
-            f"{path} is not a readable HDF5 file ({reason}); it may be truncated, copy it again"
-        ) from None
-    except (KeyError, ValueError, TypeError, AttributeError) as error:
-        reason = " ".join(str(error).split())
-        raise SceneError(f"{path} is damaged or not a scene of version {VERSION}: {reason:.200}") from None
+    with open_hdf5(path) as file:
+        try:
+            return _read(file, MemoryBudget.of(path.stat().st_size))
+        except SceneError as error:
+            raise SceneError(f"{path}: {error}") from None
 
 
-def _h5py() -> Any:
-    """The library of scene files, imported when the first one is: a robot needs none, and is not asked to have it."""
-    try:
-        import h5py
-    except ImportError:
-        raise SceneError("scene files are read and written with h5py, which is not here: pip install h5py") from None
-    return h5py
-
-
-def _read(file: h5py.File) -> Scene:
+def _read(file: h5py.File, budget: MemoryBudget) -> Scene:
     if _attribute(file, "format", str) != FORMAT:
-        raise SceneError(f"not a scene file (its format is {file.attrs['format']!r:.40}, not {FORMAT!r})")
+        raise SceneError(f"not a scene file (its format is {read_attribute(file, 'format')!r:.40}, not {FORMAT!r})")
     version = _attribute(file, "version", int)
     if version != VERSION:
         raise SceneError(f"has scene format version {version}; this software reads version {VERSION}: update it")
@@ -119,21 +100,21 @@ def _read(file: h5py.File) -> Scene:
     return Scene(
         name=_attribute(file, "name", str),
         actions=_actions(_attribute(file, "actions", str)),
-        views=_read_blobs(file, "views"),
-        poses=_floats(file, "poses"),
-        transitions=_whole_numbers(file, "transitions", np.int32),
-        boxes=_floats(file, "boxes"),
-        targets=tuple(_read_target(name, groups[name]) for name in names),
+        views=_read_blobs(file, "views", budget),
+        poses=_floats(file, "poses", budget),
+        transitions=_whole_numbers(file, "transitions", np.int32, budget),
+        boxes=_floats(file, "boxes", budget),
+        targets=tuple(_read_target(name, groups[name], budget) for name in names),
         image_size=_attribute(file, "image_size", int),
         fov=float(_attribute(file, "fov", (int, float))),
         source=_attribute(file, "source", str),
-        floor_plan=_read_floor_plan(file),
-        labels=_whole_numbers(file, "labels", np.uint8) if "labels" in file else None,
+        floor_plan=_read_floor_plan(file, budget),
+        labels=_whole_numbers(file, "labels", np.uint8, budget) if "labels" in file else None,
     )
 
 
 def _attribute(holder: h5py.HLObject, name: str, kind: type | tuple[type, ...]) -> Any:
-    value = holder.attrs[name]
+    value = read_attribute(holder, name)
     if isinstance(value, np.generic):
         value = value.item()
     if not isinstance(value, kind):
@@ -146,34 +127,33 @@ def _attribute(holder: h5py.HLObject, name: str, kind: type | tuple[type, ...]) 
 def _array(group: h5py.Group, name: str) -> h5py.Dataset:
     """A dataset of numbers that can be read."""
     found = group[name]
-    if not isinstance(found, _h5py().Dataset) or found.shape is None or found.dtype.kind not in "iufO":
+    if not isinstance(found, h5py_module().Dataset) or found.shape is None or found.dtype.kind not in "iufO":
         raise SceneError(f"'{name}' is not a dataset of numbers")
-    check_stored(found)
     return found
 
 
-def _floats(group: h5py.Group, name: str) -> NDArray[np.float32]:
+def _floats(group: h5py.Group, name: str, budget: MemoryBudget) -> NDArray[np.float32]:
     found = _array(group, name)
     if found.dtype.kind == "O":
         raise SceneError(f"{name} are {found.dtype}, expected numbers")
     with np.errstate(over="ignore"):  # what is too large becomes infinite, and is refused
-        return np.asarray(found[()]).astype(np.float32)
+        return np.asarray(read_whole(found, budget=budget)).astype(np.float32)
 
 
-def _whole_numbers(group: h5py.Group, name: str, kind: type[np.integer]) -> NDArray[Any]:
+def _whole_numbers(group: h5py.Group, name: str, kind: type[np.integer], budget: MemoryBudget) -> NDArray[Any]:
     found = _array(group, name)
     if found.dtype.kind not in "iu":
         raise SceneError(f"{name} are {found.dtype}, expected whole numbers")
-    numbers = np.asarray(found[()])
+    numbers = np.asarray(read_whole(found, budget=budget))
     converted = numbers.astype(kind)
     if (converted != numbers).any():
         raise SceneError(f"some of the {name} are too large or negative")
     return converted
 
 
-def _read_target(name: str, group: h5py.Group) -> Target:
+def _read_target(name: str, group: h5py.Group, budget: MemoryBudget) -> Target:
     held_out = _attribute(group, "held_out", int) if "held_out" in group.attrs else 0
-    return Target(name, _read_blobs(group, "pictures"), _attribute(group, "category", str), held_out)
+    return Target(name, _read_blobs(group, "pictures", budget), _attribute(group, "category", str), held_out)
 
 
 def _actions(text: str) -> tuple[Action, ...]:
@@ -186,35 +166,36 @@ def _actions(text: str) -> tuple[Action, ...]:
     return tuple(known[name] for name in names)
 
 
-def _read_floor_plan(file: h5py.File) -> FloorPlan | None:
+def _read_floor_plan(file: h5py.File, budget: MemoryBudget) -> FloorPlan | None:
     if "floor_plan" not in file:
         return None
     group = file["floor_plan"]
     obstacles = group.get("obstacles", {})
     return FloorPlan(
-        outline=_polygon(group, "outline"),
+        outline=_polygon(group, "outline", budget),
         obstacles=tuple(
-            (_attribute(obstacles[key], "label", str), _polygon(obstacles, key)) for key in sorted(obstacles, key=int)
+            (_attribute(obstacles[key], "label", str), _polygon(obstacles, key, budget))
+            for key in sorted(obstacles, key=int)
         ),
     )
 
 
-def _polygon(group: h5py.Group, name: str) -> NDArray[np.float64]:
+def _polygon(group: h5py.Group, name: str, budget: MemoryBudget) -> NDArray[np.float64]:
     found = _array(group, name)
-    points: NDArray[Any] = np.asarray(found[()])
+    points: NDArray[Any] = np.asarray(read_whole(found, budget=budget))
     if points.dtype.kind == "O" or points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
         raise SceneError(f"floor_plan: '{name}' has shape {points.shape}, expected rows of two finite numbers")
     return points
 
 
 def _write_blobs(group: h5py.Group, name: str, blobs: Sequence[bytes]) -> None:
-    dataset = group.create_dataset(name, (len(blobs),), dtype=_h5py().vlen_dtype(np.uint8))
+    dataset = group.create_dataset(name, (len(blobs),), dtype=h5py_module().vlen_dtype(np.uint8))
     for index, blob in enumerate(blobs):
         dataset[index] = np.frombuffer(blob, np.uint8)
 
 
-def _read_blobs(group: h5py.Group, name: str) -> tuple[bytes, ...]:
+def _read_blobs(group: h5py.Group, name: str, budget: MemoryBudget) -> tuple[bytes, ...]:
     found = _array(group, name)
-    if _h5py().check_vlen_dtype(found.dtype) != np.uint8 or found.ndim != 1:
+    if h5py_module().check_vlen_dtype(found.dtype) != np.uint8 or found.ndim != 1:
         raise SceneError(f"'{name}' is {found.dtype} of shape {found.shape}, expected a list of encoded images")
-    return tuple(blob.tobytes() for blob in found[()])
+    return read_blobs(found, budget)

@@ -1,4 +1,7 @@
-"""Writing files so that nothing a user made is lost: to a temporary name first, then renamed."""
+"""Writing files so that nothing a user made is lost: to a temporary name, onto the disk, and only then renamed.
+
+Without the second step a power cut can leave an empty file under the right name: some file systems write names first.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from active_perceiver.errors import UserError
+from active_perceiver.utils.temporaries import REPLACED, remove_stale, temporary_prefix
 
 
 class OutputExistsError(UserError, FileExistsError):
@@ -26,6 +30,8 @@ class OutputError(UserError, OSError):
         )
 
 
+# What the system says of disks that have no such thing as flushing, as some network disks.
+NO_FLUSHING = (errno.EINVAL, errno.ENOTSUP)
 # What the system says of a disk that is full, whoever writes to it.
 FULL = (errno.ENOSPC, errno.EDQUOT)
 
@@ -66,7 +72,8 @@ def replacing(path: Path, force: bool = True) -> Iterator[Path]:
     check_output(path, force)
     with _telling(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=f".part{path.suffix}", dir=path.parent)
+        remove_stale(path.parent)
+        handle, name = tempfile.mkstemp(prefix=temporary_prefix(path), suffix=f".part{path.suffix}", dir=path.parent)
     os.close(handle)
     temporary = Path(name)
     try:
@@ -76,21 +83,42 @@ def replacing(path: Path, force: bool = True) -> Iterator[Path]:
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)  # mkstemp makes files that only their owner may read
         with _telling(path):
+            flush(temporary)
             temporary.replace(path)
+            flush_folder(path.parent)
     finally:
         temporary.unlink(missing_ok=True)
 
 
+def flush(path: Path) -> None:
+    """Make sure that what was written to a file is on the disk."""
+    _flush(path, os.O_RDWR)
+
+
 def flush_folder(folder: Path) -> None:
     """Make sure that the names of new files in a folder are on the disk."""
-    try:
-        file = os.open(folder, os.O_RDONLY)
-    except OSError:  # a folder cannot be opened on Windows
-        return
+    if os.name == "posix":  # a folder cannot be opened on Windows
+        _flush(folder, os.O_RDONLY)
+
+
+def _flush(path: Path, way: int) -> None:
+    file = os.open(path, way)
     try:
         os.fsync(file)
+    except OSError as error:
+        if error.errno not in NO_FLUSHING:
+            raise
     finally:
         os.close(file)
+
+
+def _flush_tree(folder: Path) -> None:
+    """The same for all files in a folder and below it, and their names."""
+    for place, _, names in os.walk(folder):
+        for name in names:
+            if not (Path(place) / name).is_symlink():
+                flush(Path(place) / name)
+        flush_folder(Path(place))
 
 
 @contextmanager
@@ -108,12 +136,15 @@ def replacing_folder(path: Path, force: bool = False) -> Iterator[Path]:
     check_output(path, force)
     with _telling(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        beside = tempfile.TemporaryDirectory(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+        remove_stale(path.parent)
+        beside = tempfile.TemporaryDirectory(prefix=temporary_prefix(path), suffix=".part", dir=path.parent)
     with beside as name:
         made = Path(name) / path.name
         made.mkdir()
         with _telling(path, *FULL):
             yield made
+            _flush_tree(made)
         if path.exists():
-            path.rename(Path(name) / "replaced")
+            path.rename(Path(name) / REPLACED)
         made.rename(path)
+        flush_folder(path.parent)

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import numpy as np
-import onnxruntime
 import torch
 from torch import Tensor, nn
+
+from active_perceiver.vision.sessions import onnxruntime
 
 
 class ExportError(RuntimeError):

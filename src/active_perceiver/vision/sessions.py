@@ -1,12 +1,19 @@
-"""Opening ONNX models for running on the CPU."""
+"""Opening ONNX models for running on the CPU; the place that ONNX Runtime is imported at, so that it calls nobody.
+
+Version 1.31 keeps a number of this computer below ~/.cache/Microsoft and looks up Microsoft's host for events when a
+model is opened, unless this variable says no before it is loaded; its function `disable_telemetry_events` does not
+help. Whoever wants it sets the variable to 0.
+"""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
-import onnxruntime
-
 from active_perceiver.errors import UserError
+
+os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+import onnxruntime
 
 
 class BackboneError(UserError, ValueError):

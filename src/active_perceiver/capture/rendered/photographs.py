@@ -10,8 +10,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import shutil
-import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -37,7 +35,7 @@ from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.scenes.images import decode_image, encode_image
 from active_perceiver.scenes.lattice import lattice_poses
 from active_perceiver.scenes.scene import Target
-from active_perceiver.utils.files import OutputExistsError, check_output
+from active_perceiver.utils.files import OutputExistsError, check_output, replacing_folder
 from active_perceiver.utils.progress import ProgressBar, progress_bar
 from indoor_rooms.free_space import free_positions
 from indoor_rooms.layouts import make_room
@@ -237,9 +235,7 @@ def _write(
     size: tuple[int, int],
 ) -> None:
     """Write everything beside the folder, then put it in its place."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".part", dir=folder.parent))
-    try:
+    with replacing_folder(folder, force=True) as temporary:
         names = [photograph_name(number) for number in range(1, len(seen) + 1)]
         for name, view in zip(names, seen, strict=True):
             (temporary / name).write_bytes(view["image"].tobytes())
@@ -251,12 +247,6 @@ def _write(
             place.mkdir(parents=True)
             for number, picture in enumerate(target.pictures, 1):
                 (place / f"{number:02}.jpg").write_bytes(encode_image(decode_image(picture), "jpeg", JPEG_QUALITY))
-        temporary.chmod(0o755)  # mkdtemp makes folders that only their owner may read
-        if folder.exists():
-            shutil.rmtree(folder)
-        temporary.replace(folder)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
 
 
 def _coco(

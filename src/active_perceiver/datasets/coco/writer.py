@@ -8,22 +8,19 @@ they come back as labelled. The floor plan stays behind.
 
 from __future__ import annotations
 
-import io
 import json
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from active_perceiver.datasets.coco.reader import PROPOSED_KEY
 from active_perceiver.datasets.photos.pose_table import write_moves, write_poses
 from active_perceiver.scenes.box_labels import label_states, view_file_names
+from active_perceiver.scenes.image_files import upright
 from active_perceiver.scenes.images import image_suffix
 from active_perceiver.scenes.scene import PROPOSED, UNLABELLED, Scene, SceneError
-from active_perceiver.utils.files import OutputExistsError
+from active_perceiver.utils.files import OutputExistsError, replacing_folder
 from active_perceiver.utils.progress import ProgressCallback, quiet
 
 
@@ -39,14 +36,8 @@ def export_coco(scene: Scene, folder: Path, report: ProgressCallback = quiet) ->
     for name in scene.target_names:
         if name.startswith(".") or "\\" in name or "\0" in name:
             raise SceneError(f"target {name!r} cannot be the name of a folder; rename it first")
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".part", dir=folder.parent))
-    try:
+    with replacing_folder(folder, force=True) as temporary:
         _write(scene, temporary, report)
-        temporary.chmod(0o755)  # mkdtemp makes folders that only their owner may read
-        temporary.replace(folder)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
 
 
 def coco_annotations(scene: Scene) -> dict[str, Any]:
@@ -57,8 +48,8 @@ def coco_annotations(scene: Scene) -> dict[str, Any]:
     for view, name in enumerate(view_file_names(scene)):
         if states[view] == UNLABELLED:
             continue
-        with Image.open(io.BytesIO(scene.views[view])) as image:
-            width, height = image.size
+        shown = upright(scene.views[view], f"view {view}")
+        width, height = shown.width, shown.height
         proposed = {PROPOSED_KEY: True} if states[view] == PROPOSED else {}
         images.append({"id": view + 1, "file_name": name, "width": width, "height": height, **proposed})
         boxes = scene.boxes[view].astype(float) * [width, height, width, height]

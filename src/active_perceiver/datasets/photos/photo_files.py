@@ -2,54 +2,19 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from PIL import ExifTags, Image, UnidentifiedImageError
+from PIL import Image
 
-from active_perceiver.scenes.images import ImageError, decode_image, encode_image, image_suffix, square_image
+from active_perceiver.scenes.image_files import ImageError, Upright, upright
+from active_perceiver.scenes.images import decode_image, encode_image, image_suffix, square_image
 
 IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".heic", ".heif")
-"""Files taken for images. Those that Pillow cannot read end in an error that says so, rather than being left out."""
+"""Files taken for images. Those that cannot be read end in an error that says so, rather than being left out."""
 # Pictures of targets larger than that are made smaller; no backbone looks at more.
 _LARGEST_PICTURE = 640
-
-
-@dataclass(frozen=True)
-class Upright:
-    """Size of an image file with its EXIF rotation applied.
-
-    Attributes:
-        width: in pixels.
-        height: in pixels.
-        turned: whether the file's pixels lie otherwise.
-    """
-
-    width: int
-    height: int
-    turned: bool
-
-
-def upright(path: Path) -> Upright:
-    """Look at the head of an image file.
-
-    Raises:
-        ImageError: if it is not a readable image.
-    """
-    try:
-        with Image.open(path) as image:
-            orientation = image.getexif().get(ExifTags.Base.Orientation, 1)
-            width, height = image.size
-    except UnidentifiedImageError:
-        raise ImageError(f"{path} is not an image Pillow can read; save it as JPEG, PNG or WebP") from None
-    except (OSError, SyntaxError, ValueError, struct.error, Image.DecompressionBombError) as error:
-        raise ImageError(f"{path} is broken or truncated ({error}); save it again as JPEG or PNG") from None
-    if orientation in (5, 6, 7, 8):
-        width, height = height, width
-    return Upright(width, height, orientation in (2, 3, 4, 5, 6, 7, 8))
 
 
 def square_view(path: Path, photograph: Upright, size: int) -> bytes:

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from active_perceiver.datasets.coco.reader import CocoBoxes, read_coco
 from active_perceiver.datasets.io import Imported, check_image_size
 from active_perceiver.datasets.moves import lattice_actions, one_way_moves, snapped_transitions
-from active_perceiver.datasets.photos.photo_files import IMAGE_SUFFIXES, Upright, read_target, square_view, upright
+from active_perceiver.datasets.photos.photo_files import IMAGE_SUFFIXES, read_target, square_view
 from active_perceiver.datasets.photos.pose_snapping import LatticeConfig, snap_poses
 from active_perceiver.datasets.photos.pose_table import PoseTable, read_moves, read_poses
+from active_perceiver.scenes.image_files import Upright, upright
 from active_perceiver.scenes.images import boxes_in_square
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import LABELLED, PROPOSED, UNLABELLED, Scene, SceneError, Target

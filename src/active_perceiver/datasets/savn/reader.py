@@ -30,12 +30,13 @@ from active_perceiver.datasets.io import (
     dataset,
     encoded_view,
     entry,
-    open_hdf5,
     read_json,
     turned,
 )
 from active_perceiver.datasets.savn.objects import SeenObjects, read_objects
 from active_perceiver.datasets.target_pictures import crop_pictures, found_pictures, pictured_target
+from active_perceiver.scenes.hdf5 import open_hdf5
+from active_perceiver.scenes.hdf5_values import read_whole
 from active_perceiver.scenes.lattice import Action
 from active_perceiver.scenes.scene import Scene, SceneError, Target
 from active_perceiver.utils.progress import ProgressCallback, quiet
@@ -254,7 +255,7 @@ def _image(images: h5py.File, key: str, path: Path) -> NDArray[np.uint8]:
     check_pixels(found.shape, f"{path}: '{key}'")
     if found.dtype != np.uint8:
         raise SceneError(f"{path}: '{key}' is of type {found.dtype}, expected uint8")
-    return np.asarray(found[()])
+    return np.asarray(read_whole(found, f"{path}: "))
 
 
 def _targets(

@@ -12,6 +12,7 @@ from PIL import Image
 from active_perceiver.datasets.zhu.writer import FEATURES, ZhuDump, write_zhu, zhu_dump
 from active_perceiver.errors import UserError
 from active_perceiver.scenes import Scene
+from active_perceiver.scenes.hdf5 import create_hdf5
 from active_perceiver.utils.files import check_output, replacing
 from active_perceiver.utils.progress import ProgressCallback, console, progress_bar
 from active_perceiver.vision.backbone import IMAGE_SIZE, Backbone, load_backbone, pooled
@@ -52,7 +53,7 @@ def export_zhu(
     dump = zhu_dump(scene)
     with console.status(f"backbone {backbone}"):
         network = load_backbone(backbone, image_size=image_size)
-    with replacing(out, force) as temporary, h5py.File(temporary, "w") as file:
+    with replacing(out, force) as temporary, create_hdf5(temporary) as file:
         with progress_bar("observations") as report:
             write_zhu(dump, file, report)
         with progress_bar(f"features by {backbone}") as report:

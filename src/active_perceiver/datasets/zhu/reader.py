@@ -24,8 +24,9 @@ from active_perceiver.datasets.io import (
     dataset,
     encoded_view,
     finite,
-    open_hdf5,
 )
+from active_perceiver.scenes.hdf5 import open_hdf5
+from active_perceiver.scenes.hdf5_values import read_whole
 from active_perceiver.scenes.lattice import UNREACHABLE, Action, transition_graph
 from active_perceiver.scenes.scene import Scene, SceneError
 from active_perceiver.utils.progress import ProgressCallback, quiet
@@ -97,7 +98,8 @@ def _moves(file: h5py.File, path: Path) -> tuple[NDArray[np.float32], NDArray[np
     if states == 0:
         raise SceneError(f"{path}: 'location' is empty; there are no states")
     rotation = finite(dataset(file, "rotation", (states,), "iuf", path), path)
-    graph = dataset(file, "graph", (states, len(ZHU_ACTIONS)), "iu", path)[()].astype(np.int64)
+    graph = dataset(file, "graph", (states, len(ZHU_ACTIONS)), "iu", path)
+    graph = read_whole(graph, f"{path}: ").astype(np.int64)
     outside = np.argwhere((graph < COLLISION) | (graph >= states))
     if len(outside):
         row, column = outside[0].tolist()
