@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:  # the same names, for type checkers and editors
     from active_perceiver.agent.perceiver import ActivePerceiver as ActivePerceiver
     from active_perceiver.envs import SearchEnv as SearchEnv
+    from active_perceiver.live import SearchConfig as SearchConfig
     from active_perceiver.live import search as search
     from active_perceiver.robots import RecordedRobot as RecordedRobot
     from active_perceiver.scenes import Scene as Scene
@@ -25,6 +26,7 @@ _HOMES = {
     "ActivePerceiver": "agent.perceiver",
     "RecordedRobot": "robots",
     "Scene": "scenes",
+    "SearchConfig": "live",
     "SearchEnv": "envs",
     "open_scene": "scenes",
     "read_image": "scenes",

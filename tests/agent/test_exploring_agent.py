@@ -13,7 +13,7 @@ from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.evaluation import stop_evaluation, stop_tables
 from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.evaluation.evaluate import agent_detections, with_query_pictures
-from active_perceiver.live import search
+from active_perceiver.live import SearchConfig, search
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import Action
 
@@ -46,11 +46,11 @@ def states_of(record, scene):
 
 
 def test_it_gets_out_and_finds_what_it_can_see(agent_folder, scene):
-    found = {}
+    found, config = {}, SearchConfig(max_steps=150, seed=0)
     for explore in (False, True):
         agent = turning(agent_folder, explore=explore)
         found[explore] = [
-            search(agent, RecordedRobot(scene, start), scene.targets[target].picture(0), max_steps=150, seed=0).found
+            search(agent, RecordedRobot(scene, start), scene.targets[target].picture(0), config).found
             for start in STARTS
             for target in range(3)
         ]
@@ -68,7 +68,7 @@ def test_the_tables_take_the_same_way(agent_folder, scene, monkeypatch, confirm,
     same = []
     for target, start in itertools.product(range(3), STARTS):
         picture = scene.targets[target].picture(0)
-        record = search(agent, RecordedRobot(scene, start), picture, max_steps=stop_evaluation.LIMIT, seed=0)
+        record = search(agent, RecordedRobot(scene, start), picture, SearchConfig(max_steps=stop_evaluation.LIMIT, seed=0))
         ours = stop_evaluation.search_once(tables[target], start, 0, seed=0)
         same.append((states_of(record, scene), record.found) == (list(ours.states), ours.found))
     # Maps that were cached as float16 may tip a detection at the threshold.

@@ -20,7 +20,7 @@ from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.evaluation import stop_evaluation
 from active_perceiver.goals import ObjectGoal, observe_goal
-from active_perceiver.live import search
+from active_perceiver.live import SearchConfig, search
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import Scene
 from active_perceiver.vision.location import location_mask
@@ -177,7 +177,7 @@ def test_live_and_in_tables_a_search_is_the_same(place, monkeypatch, confirm, ex
     found, blocked, lengths = 0, 0, []
     for seed, start in enumerate(starts.tolist()):
         robot = NumberedRobot(place.scene, start)
-        record = search(agent, robot, robot.look(), max_steps=LIMIT, seed=seed)
+        record = search(agent, robot, robot.look(), SearchConfig(max_steps=LIMIT, seed=seed))
         ours = stop_evaluation.search_once(tables, start, 0, seed)
         assert ours == stop_evaluation.TableSearch(tuple(robot.states), tuple(robot.done), record.found)
         found += record.found

@@ -18,7 +18,7 @@ from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.target_matching import PICTURES_FILE
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.evaluation.evaluate import agent_detections, with_query_pictures
-from active_perceiver.live import search
+from active_perceiver.live import SearchConfig, search
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import ImageError, decode_image
@@ -87,7 +87,7 @@ def test_a_search_follows_from_its_seed(agent, scene):
         paths = []
         for start in far:
             with RecordedRobot(scene, int(start)) as robot:
-                record = search(agent, robot, scene.targets[0].picture(0), max_steps=25, seed=seed)
+                record = search(agent, robot, scene.targets[0].picture(0), SearchConfig(max_steps=25, seed=seed))
             paths.append([step_record.pose for step_record in record.step_records])
         return paths
 
@@ -101,7 +101,9 @@ def test_it_finds_a_ball_and_says_so(agent, scene):
     for target in range(3):
         for start in task.starts(target)[::40]:
             with RecordedRobot(scene, int(start)) as robot:
-                record = search(agent, robot, scene.targets[target].picture(0), max_steps=60, seed=int(start))
+                record = search(
+                    agent, robot, scene.targets[target].picture(0), SearchConfig(max_steps=60, seed=int(start))
+                )
                 found += record.found
                 right += record.found and task.areas[robot.state, target] > 0
     assert found >= 5
@@ -113,7 +115,7 @@ def test_it_gives_up_at_the_limit_when_the_object_is_not_there(agent, scene):
         black = np.zeros((40, 40, 3), np.uint8)
         agent_that_never_believes = dataclasses.replace(agent.config, score_threshold=1.1)
         sceptic = ActivePerceiver(agent.folder, agent_that_never_believes, agent.backbone)
-        record = search(sceptic, robot, black, max_steps=7, seed=0)
+        record = search(sceptic, robot, black, SearchConfig(max_steps=7, seed=0))
     assert not record.found
     assert record.actions == 7
 
@@ -130,7 +132,7 @@ def test_the_robot_is_stopped_whatever_happens(agent, scene):
 
     robot = Breaking(scene, 0)
     with pytest.raises(ConnectionError):
-        search(agent, robot, scene.targets[0].picture(0), seed=0)
+        search(agent, robot, scene.targets[0].picture(0), SearchConfig(seed=0))
     assert robot.stops == 1
 
 
@@ -352,13 +354,13 @@ class Refuse:
 sys.meta_path.insert(0, Refuse())
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.robots import RecordedRobot
-from active_perceiver.live import search
+from active_perceiver.live import SearchConfig, search
 from active_perceiver.scenes import open_scene
 
 agent = ActivePerceiver.from_pretrained(sys.argv[1])
 scene = open_scene(sys.argv[2])
 with RecordedRobot(scene, 3) as robot:
-    record = search(agent, robot, scene.targets[0].picture(0), max_steps=5, seed=0)
+    record = search(agent, robot, scene.targets[0].picture(0), SearchConfig(max_steps=5, seed=0))
 assert "torch" not in sys.modules
 print(record.actions)
 """

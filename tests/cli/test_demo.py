@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from active_perceiver.cli.demo import SETTINGS, run_demo
+from active_perceiver.cli.demo_run import SETTINGS, run_demo
 from active_perceiver.errors import UserError
 from active_perceiver.scenes import open_scene
 from active_perceiver.utils.files import OutputExistsError

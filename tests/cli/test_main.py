@@ -11,6 +11,7 @@ from PIL import Image
 
 from active_perceiver.cli.main import main
 from active_perceiver.evaluation.config import EvaluateConfig
+from active_perceiver.live.config import SessionConfig
 from active_perceiver.scenes import save_scene
 from active_perceiver.training.config import TrainConfig
 
@@ -36,7 +37,9 @@ def test_help_shows_what_a_command_does_with_examples(command, capsys):
         assert f"active-perceiver {' '.join(command)}" in text.split("Examples:")[1]
 
 
-@pytest.mark.parametrize(("command", "settings"), [("train", TrainConfig), ("evaluate", EvaluateConfig)])
+@pytest.mark.parametrize(
+    ("command", "settings"), [("train", TrainConfig), ("evaluate", EvaluateConfig), ("search", SessionConfig)]
+)
 def test_every_setting_is_an_option_with_a_help_text(command, settings, capsys):
     with pytest.raises(SystemExit):
         main([command, "--help"])
@@ -54,13 +57,13 @@ def test_an_unknown_command_is_refused(capsys):
 
 
 def test_brackets_in_an_error_are_shown(capsys, monkeypatch):
-    from active_perceiver.cli import main as cli
+    from active_perceiver.cli.info import Info
     from active_perceiver.errors import UserError
 
     def fail(self):
         raise UserError("pip install 'active-perceiver[train]'")
 
-    monkeypatch.setattr(cli.Info, "run", fail)
+    monkeypatch.setattr(Info, "run", fail)
     assert main(["info"]) == 2
     assert "active-perceiver[train]" in capsys.readouterr().err
 

@@ -21,7 +21,7 @@ from active_perceiver.cli.main import main
 from active_perceiver.deploy import try_agent
 from active_perceiver.deploy.export import export_agent
 from active_perceiver.errors import UserError
-from active_perceiver.live import search
+from active_perceiver.live import SearchConfig, search
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import SceneError
 from active_perceiver.utils.files import OutputExistsError
@@ -36,7 +36,7 @@ from pathlib import Path
 
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.robots import Robot
-from active_perceiver.live import search
+from active_perceiver.live import SearchConfig, search
 from active_perceiver.scenes import (Action, read_image)
 
 
@@ -73,7 +73,8 @@ for target in range(3):
     for start in (3, 100):
         with FileRobot(views, start) as robot:
             assert isinstance(robot, Robot)
-            record = search(agent, robot, read_image(views / f"target_{target}.png"), max_steps=40, seed=start)
+            config = SearchConfig(max_steps=40, seed=start)
+            record = search(agent, robot, read_image(views / f"target_{target}.png"), config)
         searches.append([[taken.step.action.value for taken in record.step_records], record.found])
 packages = {name.split(".")[0] for name in sys.modules} - set(sys.stdlib_module_names)
 print(json.dumps({"searches": searches, "packages": sorted(packages)}))
@@ -150,7 +151,8 @@ def test_it_searches_where_only_three_packages_are(exported, agent_folder, scene
     agent, expected = ActivePerceiver.from_pretrained(agent_folder), []
     for target in scene.targets:
         for start in (3, 100):
-            record = search(agent, RecordedRobot(scene, start), target.picture(0), max_steps=40, seed=start)
+            config = SearchConfig(max_steps=40, seed=start)
+            record = search(agent, RecordedRobot(scene, start), target.picture(0), config)
             expected.append([[step_record.step.action.value for step_record in record.step_records], record.found])
     assert said["searches"] == expected
     assert any(found for _, found in expected)
@@ -229,7 +231,7 @@ def test_its_readme_says_how_to_run_it(exported, scene, monkeypatch):
     assert name == exported.name
     assert (exported.parent / picture).is_file()
     block = text.split("```python\n")[1].split("```")[0]
-    assert f'scene="{scene.name}"' in block
+    assert f'SearchConfig(scene="{scene.name}")' in block
     monkeypatch.chdir(exported.parent)
     ran = {"robot": RecordedRobot(scene, seed=0)}
     exec(compile(block, "README.md", "exec"), ran)

@@ -10,8 +10,8 @@ import numpy as np
 
 from active_perceiver.agent.perceiver import Step
 from active_perceiver.live import SearchRecord, StepRecord
-from active_perceiver.live.config import Floor, RecordingHeader
 from active_perceiver.live.recorder import Recorder
+from active_perceiver.live.recording_header import Floor, RecordingHeader
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.scenes import EIGHT_ACTIONS, Scene
 from active_perceiver.scenes.images import encode_image

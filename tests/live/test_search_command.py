@@ -11,10 +11,11 @@ import time
 import pytest
 from rich.console import Console
 
+from active_perceiver.cli.interrupts import stopped_like_interrupted
 from active_perceiver.cli.main import main
+from active_perceiver.cli.search import watching
 from active_perceiver.live.recording import read_recording
-from active_perceiver.live.session import stopped_like_interrupted
-from active_perceiver.live.terminal_view import LiveView, watching
+from active_perceiver.live.terminal_view import LiveView
 from helpers.recorded import setup_in, step_records_in
 
 pytestmark = pytest.mark.xdist_group("agent")

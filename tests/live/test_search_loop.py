@@ -8,8 +8,9 @@ import pytest
 
 from active_perceiver.agent.found_criterion import FoundCriterion
 from active_perceiver.agent.perceiver import ActivePerceiver
-from active_perceiver.live import search
-from active_perceiver.live.search_loop import FOUND, MAX_MINUTES, MAX_STEPS, SearchLimitError
+from active_perceiver.live import SearchConfig, search
+from active_perceiver.live.config import SearchLimitError
+from active_perceiver.live.search_loop import FOUND, MAX_MINUTES, MAX_STEPS
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes.images import encode_image
 
@@ -45,7 +46,7 @@ class Watched(RecordedRobot):
 
 def test_each_look_says_whether_the_action_before_it_moved_the_robot(agent, scene, picture):
     robot = Watched(scene)
-    record = search(agent, robot, picture, max_steps=60, seed=1)
+    record = search(agent, robot, picture, SearchConfig(max_steps=60, seed=1))
     assert record.reason == MAX_STEPS
     assert (record.actions, len(record.step_records), robot.stops) == (60, 61, 1)
     assert record.step_records[0].robot_moved is None
@@ -68,7 +69,7 @@ def test_of_a_robot_that_does_not_say_whether_it_moved_nothing_is_noted(agent, s
         def execute(self, action):
             super().execute(action)
 
-    record = search(agent, Silent(scene, 7), picture, max_steps=3, seed=1)
+    record = search(agent, Silent(scene, 7), picture, SearchConfig(max_steps=3, seed=1))
     assert [step_record.robot_moved for step_record in record.step_records] == [None] * 4
 
 
@@ -77,8 +78,8 @@ def test_encoded_frames_are_kept_as_they_are(agent, scene, picture):
         def look(self):
             return encode_image(super().look(), "png")
 
-    encoded = search(agent, Camera(scene), picture, max_steps=4, seed=1)
-    plain = search(agent, Watched(scene), picture, max_steps=4, seed=1)
+    encoded = search(agent, Camera(scene), picture, SearchConfig(max_steps=4, seed=1))
+    plain = search(agent, Watched(scene), picture, SearchConfig(max_steps=4, seed=1))
     for one, other in zip(encoded.step_records, plain.step_records, strict=True):
         assert isinstance(one.frame, bytes)
         np.testing.assert_array_equal(one.image, other.image)
@@ -87,7 +88,7 @@ def test_encoded_frames_are_kept_as_they_are(agent, scene, picture):
 
 def test_a_dry_run_moves_nothing_and_each_look_is_the_first(agent, scene, picture):
     robot = Watched(scene)
-    record = search(agent, robot, picture, max_steps=9, seed=3, dry_run=True, pause=0.0)
+    record = search(agent, robot, picture, SearchConfig(max_steps=9, seed=3, dry_run=True, dry_pause=0.0))
     assert robot.done == []
     assert robot.stops == 1
     assert (len(record.step_records), record.actions, record.reason, record.found) == (9, 0, MAX_STEPS, False)
@@ -103,14 +104,16 @@ def test_a_dry_run_moves_nothing_and_each_look_is_the_first(agent, scene, pictur
 def test_found_ends_a_search_but_no_dry_run(agent, scene, picture, dry_run, monkeypatch):
     credulous = ActivePerceiver(agent.folder, dataclasses.replace(agent.config, match_threshold=2.0), agent.backbone)
     monkeypatch.setattr(FoundCriterion, "met", lambda self, score, area: True)
-    record = search(credulous, Watched(scene), picture, max_steps=4, seed=0, dry_run=dry_run, pause=0.0)
+    record = search(
+        credulous, Watched(scene), picture, SearchConfig(max_steps=4, seed=0, dry_run=dry_run, dry_pause=0.0)
+    )
     assert record.found
     assert (len(record.step_records), record.reason) == ((4, MAX_STEPS) if dry_run else (1, FOUND))
     assert record.caption(0) == ("would say found" if dry_run else "found")
 
 
 def test_time_ends_a_search(agent, scene, picture):
-    record = search(agent, Watched(scene), picture, max_minutes=1e-9, seed=0)
+    record = search(agent, Watched(scene), picture, SearchConfig(max_minutes=1e-9, seed=0))
     assert (record.reason, record.actions, record.ending) == (MAX_MINUTES, 0, "not found")
 
 
@@ -122,6 +125,6 @@ def test_time_ends_a_search(agent, scene, picture):
 def test_limits_that_no_search_can_keep_to_are_refused(agent, scene, picture, limits):
     robot = Watched(scene)
     with pytest.raises(SearchLimitError, match="a search needs"):
-        search(agent, robot, picture, **limits)
+        search(agent, robot, picture, SearchConfig(**limits))
     assert robot.done == []
     assert robot.stops == 1

@@ -11,10 +11,10 @@ import pytest
 from PIL import Image
 
 from active_perceiver.cli.main import main
+from active_perceiver.cli.search import watching
 from active_perceiver.figures.annotate import draw_detection
 from active_perceiver.figures.video import search_frames
 from active_perceiver.live.recording import read_recording
-from active_perceiver.live.terminal_view import watching
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.reports.search_report import verdict
 from helpers.recorded import record_of, setup_in

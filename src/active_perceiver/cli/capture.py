@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 from active_perceiver.cli.help import help_text
+from active_perceiver.cli.interrupts import stopped_like_interrupted
 from active_perceiver.errors import UserError
 
 
@@ -154,7 +155,6 @@ class CaptureRobot:
         from active_perceiver.capture.robot import photograph_places
         from active_perceiver.datasets.photos.pose_table import read_poses
         from active_perceiver.live.robot_factory import robot_at
-        from active_perceiver.live.session import stopped_like_interrupted
         from active_perceiver.robots import NavigatingRobot
         from active_perceiver.scenes import TURTLEBOT_ACTIONS
 

@@ -50,10 +50,10 @@ The last line prints what the agent makes of one image of the camera. A search, 
 the methods of `active_perceiver.robots.Robot`:
 
 ```python
-from active_perceiver import ActivePerceiver, read_image, search
+from active_perceiver import ActivePerceiver, SearchConfig, read_image, search
 
 agent = ActivePerceiver.from_pretrained("{name}")
-record = search(agent, robot, read_image("{picture}"), scene="{branch}")
+record = search(agent, robot, read_image("{picture}"), SearchConfig(scene="{scene}"))
 ```
 
 `checksums.json` is compared with the files whenever the agent is loaded.
@@ -168,7 +168,7 @@ def _readme(agent: ActivePerceiver, name: str, int8: bool) -> str:
         version=__version__,
         numbers=", its backbone with 8-bit numbers" if int8 else "",
         picture=f"{name}/{picture.relative_to(agent.folder).as_posix()}",
-        branch=first.scene,
+        scene=first.scene,
     )
 
 

@@ -29,7 +29,7 @@ from typing_extensions import Self
 
 from active_perceiver.errors import UserError
 from active_perceiver.live import SearchRecord, StepRecord
-from active_perceiver.live.config import RecordingHeader
+from active_perceiver.live.recording_header import RecordingHeader
 from active_perceiver.scenes import ImageError, decode_image
 from active_perceiver.scenes.images import encode_image, image_suffix
 from active_perceiver.utils.files import OutputExistsError, flush_folder, replacing

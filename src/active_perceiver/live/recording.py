@@ -11,7 +11,6 @@ import numpy as np
 
 from active_perceiver.agent.perceiver import Step
 from active_perceiver.live import SearchRecord, StepRecord
-from active_perceiver.live.config import RecordingHeader, is_actions, is_duration, is_flag, is_numbers
 from active_perceiver.live.recorder import (
     CUT_OFF,
     FRAME_NAME,
@@ -23,6 +22,7 @@ from active_perceiver.live.recorder import (
     RecordingError,
     header_of,
 )
+from active_perceiver.live.recording_header import RecordingHeader, is_actions, is_duration, is_flag, is_numbers
 from active_perceiver.live.search_loop import FOUND
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.scenes import Action, decode_image, read_image

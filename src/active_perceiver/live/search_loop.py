@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.agent.perceiver import ActivePerceiver, Step
 from active_perceiver.errors import UserError
-from active_perceiver.robots.robot import Robot
-from active_perceiver.scenes import decode_image
+from active_perceiver.live.config import SearchConfig
+from active_perceiver.scenes.images import decode_image
+
+if TYPE_CHECKING:  # the command line knows of searches, and answers before what an agent needs is loaded
+    from active_perceiver.agent.perceiver import ActivePerceiver, Step
+    from active_perceiver.robots.robot import Robot
 
 FOUND, MAX_STEPS, MAX_MINUTES = "found", "max steps", "max minutes"
 """Why a search ended by itself. Recordings know of more reasons."""
 
-DRY_PAUSE = 0.5
-"""Seconds between two looks of a dry run: nothing that a camera is held at changes faster."""
-
-
-class SearchLimitError(UserError, ValueError):
-    """A limit of a search that no search can keep to."""
+DEFAULTS = SearchConfig()
 
 
 @dataclass(frozen=True)
@@ -97,46 +96,23 @@ class SearchRecord:
         return step_record.step.action.value + (", blocked" if self.robot_moved(look) is False else "")
 
 
-def check_limits(max_steps: int, max_minutes: float) -> None:
-    """Refuse limits that no search can keep to.
-
-    Raises:
-        SearchLimitError: if fewer than 1 action, or no time, is allowed.
-    """
-    if max_steps < 1:
-        raise SearchLimitError(f"a search needs at least 1 action, got max_steps {max_steps}; give 1 or more")
-    if not max_minutes > 0:  # NaN neither
-        raise SearchLimitError(f"a search needs some time, got max_minutes {max_minutes}; give more than 0")
-
-
 def search(
     agent: ActivePerceiver,
     robot: Robot,
     picture: NDArray[np.uint8],
-    *,
-    scene: str | None = None,
-    max_steps: int = 200,
-    max_minutes: float = float("inf"),
-    seed: int | None = None,
-    dry_run: bool = False,
-    pause: float = DRY_PAUSE,
+    config: SearchConfig = DEFAULTS,
     on_step: Callable[[int, StepRecord], None] | None = None,
 ) -> SearchRecord:
     """Search for the object in a picture.
 
-    The robot is stopped when the search ends, also by an exception or Ctrl-C.
+    The robot is stopped when the search ends, also by an exception or Ctrl-C. In a dry run each look is the first of
+    a search, so that a robot that stands still is not taken for one that is caught.
 
     Args:
         agent: decides.
         robot: looks and acts.
         picture: (H, W, 3) uint8 RGB, the object on its own.
-        scene: the scene whose policy branch to use; needed only if the agent has several.
-        max_steps: give up after so many actions; of a dry run, so many looks.
-        max_minutes: give up after so much time.
-        seed: the agent's draws of actions follow from it.
-        dry_run: only look and decide, `max_steps` times, whether found or not: nothing moves. Each look is the first
-            of a search, so that a robot that stands still is not taken for one that is caught.
-        pause: seconds between two looks of a dry run.
+        config: the policy branch, limits, seed, and whether to look only.
         on_step: called after every look with the number of looks before it, before the robot moves on.
 
     Raises:
@@ -147,8 +123,8 @@ def search(
     step_records: list[StepRecord] = []
     robot_moved: bool | None = None
     try:
-        check_limits(max_steps, max_minutes)
-        agent.reset(picture, scene=scene, seed=seed)
+        config.check_limits()
+        agent.reset(picture, scene=config.scene, seed=config.seed)
         if tuple(robot.actions) != agent.actions:
             ours, theirs = (", ".join(a.value for a in actions) for actions in (agent.actions, robot.actions))
             raise UserError(f"the policy was trained for the actions {ours}; this robot has {theirs}")
@@ -160,20 +136,23 @@ def search(
             if on_step is not None:
                 on_step(len(step_records) - 1, step_records[-1])
             seconds = time.monotonic() - started
-            reason = None
-            if step.found and not dry_run:
-                reason = FOUND
-            elif len(step_records) >= max_steps + (not dry_run):
-                reason = MAX_STEPS
-            elif seconds > 60 * max_minutes:
-                reason = MAX_MINUTES
-            if reason is not None:
+            if reason := _reason_to_end(config, step_records, seconds):
                 found = any(step_record.step.found for step_record in step_records)
-                return SearchRecord(picture, tuple(step_records), found, seconds, reason, dry_run)
-            if dry_run:
-                time.sleep(pause)
-                agent.reset(picture, scene=scene, seed=None if seed is None else seed + len(step_records))
+                return SearchRecord(picture, tuple(step_records), found, seconds, reason, config.dry_run)
+            if config.dry_run:
+                time.sleep(config.dry_pause)
+                seed = None if config.seed is None else config.seed + len(step_records)
+                agent.reset(picture, scene=config.scene, seed=seed)
             else:
                 robot_moved = robot.execute(step.action)
     finally:
         robot.stop()
+
+
+def _reason_to_end(config: SearchConfig, step_records: Sequence[StepRecord], seconds: float) -> str | None:
+    """Why a search ends after its last look; None if it goes on."""
+    if step_records[-1].step.found and not config.dry_run:
+        return FOUND
+    if len(step_records) >= config.max_steps + (not config.dry_run):
+        return MAX_STEPS
+    return MAX_MINUTES if seconds > 60 * config.max_minutes else None

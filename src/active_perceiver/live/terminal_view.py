@@ -1,56 +1,27 @@
-"""What one sees of a search as it runs: in a terminal a view that is drawn anew, elsewhere a line for each look."""
+"""What one sees of a search as it runs: a view that a terminal draws anew, or a line for each look."""
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 
-from rich.console import Console, Group, RenderableType
-from rich.live import Live
+from rich.console import Group, RenderableType
 from rich.panel import Panel
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
 from active_perceiver.live import StepRecord
-from active_perceiver.live.config import RecordingHeader
+from active_perceiver.live.recording_header import RecordingHeader
 
 LAST_LOOKS = 6
 BAR = 28
 
-Watch = Callable[[int, StepRecord], None]
 
-
-@contextmanager
-def watching(setup: RecordingHeader, console: Console | None = None) -> Iterator[Watch]:
-    """Show a search on standard output while the block runs, in a way that suits it.
-
-    Args:
-        setup: what the search is asked to do.
-        console: another output, for tests.
-
-    Yields:
-        What to call after every look, see `search`.
-    """
-    # Not rich's own answer: an environment variable that asks for colours makes no terminal of a file.
-    if console is None and sys.stdout.isatty():
-        console = Console()
-    if console is None or console.is_dumb_terminal:
-        yield lambda number, step_record: print_step(setup, number, step_record)
-        return
-    view = LiveView(setup)
-    # Drawn by a thread of its own, and once more at the end, so that the search does not wait for it.
-    with Live(get_renderable=view.rendered, console=console, refresh_per_second=8):
-        yield view.looked
-
-
-def print_step(setup: RecordingHeader, number: int, step_record: StepRecord) -> None:
+def step_line(setup: RecordingHeader, number: int, step_record: StepRecord) -> str:
     """One line for a look."""
     detection = step_record.step.detection
     seen = "-" if detection is None else f"{detection.score:.2f}, {100 * detection.area:.1f} % of the view"
-    print(f"{number:>4}  sees {seen:<26} {_decision(setup, step_record)}", flush=True)
+    return f"{number:>4}  sees {seen:<26} {_decision(setup, step_record)}"
 
 
 def _decision(setup: RecordingHeader, step_record: StepRecord) -> str:
@@ -58,6 +29,12 @@ def _decision(setup: RecordingHeader, step_record: StepRecord) -> str:
     if setup.dry_run:
         return f"would say {word}" if step_record.step.found else f"would {word}"
     return word
+
+
+def announcement(setup: RecordingHeader) -> str:
+    """What is going to be done, in one line."""
+    most = f"at most {setup.max_steps} {'looks, without moving' if setup.dry_run else 'actions'}"
+    return f"searching for {setup.picture} in {setup.place}, from {setup.start}, {most}"
 
 
 class LiveView:

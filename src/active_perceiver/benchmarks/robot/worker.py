@@ -14,7 +14,7 @@ import numpy as np
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import RobotBenchmarkConfig
 from active_perceiver.evaluation.stop_evaluation import TRUE_IOU
-from active_perceiver.live import search
+from active_perceiver.live import SearchConfig, search
 from active_perceiver.recognition.metrics import box_iou
 from active_perceiver.robots.pose2d import Pose2D, counted_from
 from active_perceiver.scenes import Scene, decode_image, open_scene
@@ -112,7 +112,8 @@ def search_once(lab: Lab, number: int) -> dict[str, Any]:
     robot = SimulatedRobot(
         room, start, actions=agent.config.actions(room.name), odometry_noise=odometry_noise, seed=number
     )
-    record = search(agent, robot, picture, scene=room.name, max_steps=settings.max_steps, seed=number)
+    config = SearchConfig(scene=room.name, max_steps=settings.max_steps, max_minutes=float("inf"), seed=number)
+    record = search(agent, robot, picture, config)
     end = robot.pose()
     boxes = room.look(end, [name])[1]
     drawn = record.step_records[-1].step.detection
