@@ -10,6 +10,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 from active_perceiver.envs import REWARDS, Observations, SearchEnv, SearchError, SearchTask, SearchVectorEnv
+from active_perceiver.envs.config import EnvConfig
 from active_perceiver.scenes import SceneError, save_scene
 
 IDS = ["ActivePerceiver/Search-v0"]  # those of the bundled scenes: test_registration.py
@@ -212,6 +213,16 @@ def test_refuses_what_does_not_go_together(make, scene, tables):
     env.reset(seed=0)
     with pytest.raises(SearchError, match="rendering needs the scene"):
         env.render()
+
+
+@pytest.mark.parametrize("make", [SearchEnv, lambda **arguments: SearchVectorEnv(2, **arguments)])
+def test_options_come_as_a_config_or_by_name(make, tables):
+    config = EnvConfig(reward="goal", max_steps=7)
+    assert make(**tables, config=config).config == config
+    assert make(**tables, reward="goal", max_steps=7).config == config
+    assert make(**tables, config=config, max_steps=9).config == EnvConfig(reward="goal", max_steps=9)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'speed'"):
+        make(**tables, speed=3)
 
 
 @pytest.mark.parametrize("make", [SearchEnv, lambda **arguments: SearchVectorEnv(2, **arguments)])

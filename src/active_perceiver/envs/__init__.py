@@ -6,6 +6,7 @@ import, make one as `gymnasium.make("active_perceiver.envs:ActivePerceiver/Searc
 """
 
 from active_perceiver.envs.batched_search import Searches
+from active_perceiver.envs.config import EnvConfig
 from active_perceiver.envs.env import SearchEnv
 from active_perceiver.envs.observations import Observations
 from active_perceiver.envs.registration import register_environments
@@ -18,6 +19,7 @@ from active_perceiver.vision.location import location_mask
 
 __all__ = [
     "REWARDS",
+    "EnvConfig",
     "Observations",
     "Reward",
     "SearchEnv",

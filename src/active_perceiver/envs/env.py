@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,15 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from active_perceiver.envs.env_tables import RENDER_MODES, check_render_mode, env_tables
-from active_perceiver.envs.observation_modes import ObservationMode
+from active_perceiver.envs.config import RENDER_MODES, EnvConfig
+from active_perceiver.envs.env_tables import env_tables
 from active_perceiver.envs.observations import Observations
 from active_perceiver.envs.rewards import reward_named
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import SearchError
 from active_perceiver.scenes import Scene
+
+DEFAULTS = EnvConfig()
 
 
 class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
@@ -56,15 +59,10 @@ class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
     Args:
         scene: a scene, the name of a bundled one or a file; may be left out if task and observations are given.
         targets: names of what is searched; None for all of the scene's.
+        config: what is shown, paid and allowed.
         task: instead of `targets`, a search task.
-        observation: "image", "features" or "boxes"; None for "features" if `observations` are given, else "image".
         observations: features and masks of the task; None to compute them (features are kept in the cache).
-        reward: a name in `REWARDS`.
-        max_steps: 5000 in the paper.
-        image_size: side in pixels of the images shown, 84 if None; with "features" of those the backbone gets, 320 if
-            None.
-        backbone: whose features, if they are computed.
-        render_mode: "rgb_array" for the view with the target's ground-truth box.
+        options: fields of `EnvConfig` by name, instead of those in `config`.
 
     Raises:
         SearchError: if what was given does not go together.
@@ -78,24 +76,17 @@ class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
         self,
         scene: Scene | str | Path | None = None,
         targets: Sequence[str] | None = None,
+        config: EnvConfig = DEFAULTS,
         *,
         task: SearchTask | None = None,
-        observation: ObservationMode | None = None,
         observations: Observations | None = None,
-        reward: str = "gain",
-        max_steps: int = 5000,
-        image_size: int | None = None,
-        backbone: str = "efficientnet_lite0",
-        render_mode: str | None = None,
+        **options: Any,
     ) -> None:
-        self.tables = env_tables(scene, targets, task, observations, observation, image_size, backbone)
+        self.config = replace(config, **options)
+        self.tables = env_tables(scene, targets, task, observations, self.config)
         self.task = self.tables.task
-        self.reward = reward_named(reward)
-        if max_steps < 1:
-            raise SearchError(f"an episode needs at least 1 step, got {max_steps}")
-        check_render_mode(render_mode)
-        self.max_steps = max_steps
-        self.render_mode = render_mode
+        self.reward = reward_named(self.config.reward)
+        self.render_mode = self.config.render_mode
         self.observation_space: spaces.Space[Any] = self.tables.space
         self.action_space = spaces.Discrete(len(self.task.actions))
         self._state = self._target = self._picture = self._steps = 0
@@ -126,7 +117,7 @@ class SearchEnv(gymnasium.Env[dict[str, NDArray[Any]], np.int64]):
         goal_area = float(self.task.goal_areas[self._target])
         reward = float(self.reward.function(area, self._best_area, arrived, goal_area))
         self._best_area = max(self._best_area, area)
-        truncated = not arrived and self._steps >= self.max_steps
+        truncated = not arrived and self._steps >= self.config.max_steps
         return self._observe(), reward, arrived, truncated, self._info()
 
     def render(self) -> NDArray[np.uint8] | None:

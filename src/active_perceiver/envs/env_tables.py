@@ -12,6 +12,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from active_perceiver.envs.config import EnvConfig
 from active_perceiver.envs.observation_modes import ObservationTables, shown_in
 from active_perceiver.envs.observations import Observations
 from active_perceiver.envs.task import SearchTask
@@ -19,7 +20,6 @@ from active_perceiver.errors import SearchError
 from active_perceiver.scenes import Scene, open_scene
 
 RESET_OPTIONS = ("start", "target", "picture")
-RENDER_MODES = ("rgb_array",)
 BOX_COLOUR = (255, 77, 46)
 
 
@@ -106,13 +106,11 @@ class EnvTables:
 
 
 def env_tables(
-    scene: Scene | str | Path | None = None,
-    targets: Sequence[str] | None = None,
-    task: SearchTask | None = None,
-    observations: Observations | None = None,
-    observation: str | None = None,
-    image_size: int | None = None,
-    backbone: str = "efficientnet_lite0",
+    scene: Scene | str | Path | None,
+    targets: Sequence[str] | None,
+    task: SearchTask | None,
+    observations: Observations | None,
+    config: EnvConfig,
 ) -> EnvTables:
     """Put together what an environment needs, from what it was given.
 
@@ -121,9 +119,7 @@ def env_tables(
         targets: names, if no task is given; None for all of the scene's.
         task: the search; None for that of the scene.
         observations: features and masks; None to make them from the scene.
-        observation: what is shown, see `observation_modes.shown_in`.
-        image_size: see `observation_modes.shown_in`.
-        backbone: see `observation_modes.shown_in`.
+        config: says what is shown.
 
     Raises:
         SearchError: if something is missing or does not fit.
@@ -141,14 +137,4 @@ def env_tables(
         raise SearchError(f"the task has the targets {task.targets}, not {tuple(targets)}; give only one of the two")
     if scene is not None and (len(scene), scene.name) != (len(task), task.scene):
         raise SearchError(f"the task is for scene '{task.scene}' with {len(task)} states, not for '{scene.name}'")
-    return EnvTables(task, scene, shown_in(observation, scene, task, observations, image_size, backbone))
-
-
-def check_render_mode(render_mode: str | None) -> None:
-    """Make sure that an environment can be drawn as asked.
-
-    Raises:
-        SearchError: if not.
-    """
-    if render_mode not in (None, *RENDER_MODES):
-        raise SearchError(f"render_mode must be None or 'rgb_array', got {render_mode!r}")
+    return EnvTables(task, scene, shown_in(config, scene, task, observations))

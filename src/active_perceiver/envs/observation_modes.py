@@ -6,12 +6,13 @@ of some searches' states, targets and pictures into their observations.
 
 from __future__ import annotations
 
-from typing import Any, Literal, Protocol, get_args
+from typing import Any, Protocol, get_args
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from active_perceiver.envs.config import EnvConfig, ObservationMode
 from active_perceiver.envs.observations import Observations
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import SearchError
@@ -22,7 +23,6 @@ from active_perceiver.vision.backbone import IMAGE_SIZE, load_backbone
 from active_perceiver.vision.cache import scene_features
 from active_perceiver.vision.location import GRID
 
-ObservationMode = Literal["image", "features", "boxes"]
 MODES: tuple[str, ...] = get_args(ObservationMode)
 PIXELS = 84
 """Side of the images that are shown if nobody says otherwise: what the networks of Atari players take."""
@@ -133,29 +133,21 @@ class BoxMode:
 
 
 def shown_in(
-    mode: str | None,
-    scene: Scene | None,
-    task: SearchTask,
-    observations: Observations | None = None,
-    image_size: int | None = None,
-    backbone: str = "efficientnet_lite0",
+    config: EnvConfig, scene: Scene | None, task: SearchTask, observations: Observations | None = None
 ) -> ObservationTables:
-    """The mode by name.
+    """The mode that is asked for.
 
     Args:
-        mode: one of `MODES`; None for "features" if there are observations, else "image".
+        config: its name, the size of images and the backbone.
         scene: needed unless there are observations.
         task: the search.
         observations: features and masks to show; None to compute them from the scene.
-        image_size: side in pixels of the images shown (84 if None), or of those the backbone gets (320 if None).
-        backbone: whose features.
 
     Raises:
         SearchError: if something is missing or does not go together.
         BackboneError: if features are to be computed and there is no such backbone.
     """
-    if mode is None:
-        mode = "image" if observations is None else "features"
+    mode = config.observation or ("image" if observations is None else "features")
     if mode not in MODES:
         raise SearchError(f"there is no observation mode '{mode}'; choose one of {', '.join(MODES)}")
     if observations is not None:
@@ -166,8 +158,8 @@ def shown_in(
     if scene is None:
         raise SearchError(f"without observations the mode '{mode}' needs the scene; give it along with the task")
     if mode == "features":
-        return FeatureMode(computed_observations(scene, task, image_size or IMAGE_SIZE, backbone))
-    return BoxMode(scene, task) if mode == "boxes" else ImageMode(scene, task, image_size or PIXELS)
+        return FeatureMode(computed_observations(scene, task, config.image_size or IMAGE_SIZE, config.backbone))
+    return BoxMode(scene, task) if mode == "boxes" else ImageMode(scene, task, config.image_size or PIXELS)
 
 
 def computed_observations(

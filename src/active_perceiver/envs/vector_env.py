@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,9 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from active_perceiver.envs.batched_search import Searches
-from active_perceiver.envs.env import SearchEnv
-from active_perceiver.envs.env_tables import check_render_mode, env_tables
-from active_perceiver.envs.observation_modes import ObservationMode
+from active_perceiver.envs.config import EnvConfig
+from active_perceiver.envs.env import DEFAULTS, SearchEnv
+from active_perceiver.envs.env_tables import env_tables
 from active_perceiver.envs.observations import Observations
 from active_perceiver.envs.rewards import reward_named
 from active_perceiver.envs.task import SearchTask
@@ -39,22 +40,18 @@ class SearchVectorEnv(VectorEnv[dict[str, NDArray[Any]], NDArray[np.int64], NDAr
         num_envs: int = 1,
         scene: Scene | str | Path | None = None,
         targets: Sequence[str] | None = None,
+        config: EnvConfig = DEFAULTS,
         *,
         task: SearchTask | None = None,
-        observation: ObservationMode | None = None,
         observations: Observations | None = None,
-        reward: str = "gain",
-        max_steps: int = 5000,
-        image_size: int | None = None,
-        backbone: str = "efficientnet_lite0",
-        render_mode: str | None = None,
+        **options: Any,
     ) -> None:
-        self.tables = env_tables(scene, targets, task, observations, observation, image_size, backbone)
+        self.config = replace(config, **options)
+        self.tables = env_tables(scene, targets, task, observations, self.config)
         self.task = self.tables.task
-        self.searches = Searches(self.task, num_envs, reward_named(reward), max_steps)
-        check_render_mode(render_mode)
+        self.searches = Searches(self.task, num_envs, reward_named(self.config.reward), self.config.max_steps)
         self.num_envs = num_envs
-        self.render_mode = render_mode
+        self.render_mode = self.config.render_mode
         self.single_observation_space = self.tables.space
         self.single_action_space = spaces.Discrete(len(self.task.actions))
         self.observation_space = batch_space(self.single_observation_space, num_envs)
