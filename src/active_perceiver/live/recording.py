@@ -13,8 +13,6 @@ from active_perceiver.agent.perceiver import Step
 from active_perceiver.live import SearchRecord, StepRecord
 from active_perceiver.live.recorder import (
     CUT_OFF,
-    FRAME_NAME,
-    FRAMES,
     HEADER,
     PICTURE,
     STEPS,
@@ -22,8 +20,9 @@ from active_perceiver.live.recorder import (
     RecordingError,
     header_of,
 )
-from active_perceiver.live.recording_header import RecordingHeader, is_actions, is_duration, is_flag, is_numbers
+from active_perceiver.live.recording_header import RecordingHeader
 from active_perceiver.live.search_loop import FOUND
+from active_perceiver.live.stored_recording import StoredEnd, StoredLook, checked, read_header, whole_characters
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.scenes import Action, decode_image, read_image
 from active_perceiver.utils.json_reader import parse_json
@@ -57,18 +56,18 @@ def read_recording(folder: Path) -> Recording:
     if (version := header.get("version")) != VERSION:
         raise RecordingError(f"{folder} has version {version}; this software reads version {VERSION}: update it")
     try:
-        setup = RecordingHeader.from_json(header)
+        setup = read_header(header)
     except ValueError as error:
         raise RecordingError(f"{folder / HEADER} is damaged: {error}") from None
     step_records: list[StepRecord] = []
-    ended: dict[str, Any] | None = None
+    ended: StoredEnd | None = None
     for number, value in _lines(folder / STEPS):
         where = f"line {number} of {folder / STEPS}"
         if ended is not None:
             raise RecordingError(f"{where} comes after the end; a recording holds one search: delete what follows it")
         try:
             if "ended" in value:
-                ended = _checked_end(value)
+                ended = checked(value, StoredEnd)
             else:
                 step_records.append(_step_record(value, len(step_records), folder, setup.actions))
         except ValueError as error:
@@ -80,11 +79,11 @@ def read_recording(folder: Path) -> Recording:
     last = step_records[-1]
     if ended is None:
         found = last.step.found
-        ended = {"found": found, "reason": FOUND if found else CUT_OFF, "seconds": last.seconds}
+        ended = StoredEnd(found, FOUND if found else CUT_OFF, last.seconds)
+    reason = whole_characters(ended.reason)
     record = SearchRecord(
-        read_image(folder / PICTURE), tuple(step_records), ended["found"], float(ended["seconds"]), ended["reason"],
-        setup.dry_run,
-    )  # fmt: skip
+        read_image(folder / PICTURE), tuple(step_records), ended.found, ended.seconds, reason, setup.dry_run
+    )
     return Recording(setup, record)
 
 
@@ -107,55 +106,28 @@ def _lines(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
             raise RecordingError(f"line {number} of {path} is damaged: {reason}; repair or delete it")
 
 
-def _checked_end(value: dict[str, Any]) -> dict[str, Any]:
-    if not is_flag(value.get("found")) or not isinstance(value.get("reason"), str):
-        raise ValueError("found is not true or false, or reason is not a text")
-    if not is_duration(value.get("seconds")):
-        raise ValueError("seconds is not a number from 0 on")
-    return {**value, "reason": value["reason"].encode(errors="replace").decode()}
-
-
 def _step_record(value: dict[str, Any], look: int, folder: Path, actions: tuple[Action, ...]) -> StepRecord:
     """A look from its line.
 
     Raises:
         ValueError: if something in it is missing or wrong, or its frame is.
     """
-    robot_moved, score, box, frame = (value.get(name) for name in ("moved", "score", "box", "frame"))
-    pose = value.get("pose")
+    stored = checked(value, StoredLook)
     rules = {
-        f"look is not {look}": type(value.get("look")) is int and value["look"] == look,
-        "seconds is not a number from 0 on": is_duration(value.get("seconds")),
-        "pose is not four numbers or null": pose is None or is_numbers(pose, 4),
-        "moved is not true, false or null": robot_moved is None or is_flag(robot_moved),
-        "action is not one of the recording's": is_actions([value.get("action")])
-        and Action(value["action"]) in actions,
-        "found is not true or false": is_flag(value.get("found")),
-        "score and box are not a number and four numbers, or both null": (score is None and box is None)
-        or (is_duration(score) and is_numbers(box, 4)),
-        f"probabilities are not {len(actions)} numbers": is_numbers(value.get("probabilities"), len(actions)),
-        "frame is not the name of a frame": isinstance(frame, str)
-        and frame.startswith(f"{FRAMES}/")
-        and FRAME_NAME.fullmatch(frame[len(FRAMES) + 1 :]) is not None,
+        f"look is not {look}": stored.look == look,
+        "action is not one of the recording's": stored.action in actions,
+        "score and box are not both there or both null": (stored.score is None) == (stored.box is None),
+        f"probabilities are not {len(actions)} numbers": len(stored.probabilities) == len(actions),
     }
     for wrong, kept in rules.items():
         if not kept:
             raise ValueError(wrong)
-    path = folder / str(frame)
+    path = folder / stored.frame
     try:
         data = path.read_bytes()
     except OSError as error:
         raise ValueError(f"its frame {path} cannot be read: {error.strerror}") from None
     decode_image(data, f"its frame {path}", side=32)  # small is fast, and damage shows as well
-    return StepRecord(
-        data,
-        None if pose is None else (float(pose[0]), float(pose[1]), float(pose[2]), float(pose[3])),
-        Step(
-            Action(value["action"]),
-            None if score is None else Detection(float(score), np.array(box)),
-            np.array(value["probabilities"], float),
-            value["found"],
-        ),
-        robot_moved,
-        float(value["seconds"]),
-    )
+    seen = None if stored.score is None else Detection(stored.score, np.array(stored.box))
+    step = Step(stored.action, seen, np.array(stored.probabilities), stored.found)
+    return StepRecord(data, stored.pose, step, stored.moved, stored.seconds)
