@@ -68,7 +68,9 @@ def test_the_tables_take_the_same_way(agent_folder, scene, monkeypatch, confirm,
     same = []
     for target, start in itertools.product(range(3), STARTS):
         picture = scene.targets[target].picture(0)
-        record = search(agent, RecordedRobot(scene, start), picture, SearchConfig(max_steps=stop_evaluation.LIMIT, seed=0))
+        record = search(
+            agent, RecordedRobot(scene, start), picture, SearchConfig(max_steps=stop_evaluation.LIMIT, seed=0)
+        )
         ours = stop_evaluation.search_once(tables[target], start, 0, seed=0)
         same.append((states_of(record, scene), record.found) == (list(ours.states), ours.found))
     # Maps that were cached as float16 may tip a detection at the threshold.

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 from tyro.conf import OmitArgPrefixes, Positional, subcommand
 
 from active_perceiver.cli.help import help_text
-from active_perceiver.cli.report import print_report
 from active_perceiver.cli.interrupts import stopped_like_interrupted
+from active_perceiver.cli.report import print_report
 from active_perceiver.live.config import SessionConfig
 from active_perceiver.utils.progress import console
 

@@ -10,9 +10,9 @@ from PIL import Image
 from active_perceiver.figures.annotate import draw_detection
 from active_perceiver.figures.video import write_video
 from active_perceiver.live import SearchRecord
-from active_perceiver.live.recording_header import RecordingHeader
 from active_perceiver.live.recorder import step_json
 from active_perceiver.live.recording import Recording
+from active_perceiver.live.recording_header import RecordingHeader
 from active_perceiver.live.search_loop import MAX_MINUTES, MAX_STEPS
 from active_perceiver.reports import page
 from active_perceiver.reports.search_card import path_png, search_card
