@@ -171,7 +171,7 @@ def test_every_command_is_found_with_its_help():
     commands = {command.name: command for command in all_commands()}
     assert {"demo", "scenes import photos", "benchmark train", "info"} <= commands.keys()
     assert commands["scenes"].commands[:2] == ["list", "info"]
-    assert ("--max-steps INT", "Give up after so many actions. (default: 200)") in commands["search"].arguments
+    assert ("--max-minutes FLOAT", "Give up after so many minutes. (default: 10.0)") in commands["search"].arguments
     for command in commands.values():
         if not command.commands and command.name != "":
             assert command.summary

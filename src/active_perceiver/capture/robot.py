@@ -8,6 +8,7 @@ odometry got wrong. `capture.json` tells that a capture wrote the folder, and wh
 from __future__ import annotations
 
 import json
+import logging
 import math
 import re
 from dataclasses import dataclass
@@ -25,7 +26,9 @@ from active_perceiver.scenes.angles import signed_angle
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.scenes.lattice import nearest_tilt
 from active_perceiver.utils.files import OutputExistsError, replacing
-from active_perceiver.utils.progress import ProgressBar, console, progress_bar
+from active_perceiver.utils.progress import ProgressBar, progress_bar
+
+LOG = logging.getLogger(__name__)
 
 FORMAT = "active-perceiver-capture"
 SIGN, POSES = "capture.json", "poses.csv"
@@ -120,11 +123,10 @@ def photograph_places(
             else:
                 journey.go_home()
     except (Exception, KeyboardInterrupt):
-        console.print(
-            f"{len(album.there)} of {len(table.files)} photographs are in {folder}; put the robot back to where it "
-            "began, or on another mark that --at names, and go on with --resume",
-            soft_wrap=True,
-        )
+        LOG.warning(
+            "%d of %d photographs are in %s; put the robot back to where it began, or on another mark that --at "
+            "names, and go on with --resume", len(album.there), len(table.files), folder,
+        )  # fmt: skip
         raise
     missing = album.missing()
     blocked = [number for number in missing if journey.unreachable(number)]

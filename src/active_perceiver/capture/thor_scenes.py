@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -13,7 +14,8 @@ from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.robots.ai2thor import Controller, ThorConfig, ThorError, start_controller
 from active_perceiver.scenes import EIGHT_ACTIONS, save_scene
 from active_perceiver.utils.files import OutputExistsError, check_output
-from active_perceiver.utils.progress import console
+
+LOG = logging.getLogger(__name__)
 
 RoomKind = Literal["kitchens", "living_rooms", "bedrooms", "bathrooms"]
 # https://ai2thor.allenai.org/ithor/documentation/scenes/
@@ -122,7 +124,7 @@ def capture_rooms(
         if path in there and resume:
             yield path, None
         else:
-            console.print(f"{path} ({number} of {len(files)})", highlight=False)
+            LOG.info("%s (%d of %d)", path, number, len(files))
             try:
                 yield (
                     path,

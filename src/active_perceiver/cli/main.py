@@ -6,9 +6,11 @@ heavy to import is imported there, so that `--help` answers at once.
 
 from __future__ import annotations
 
+import logging
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Annotated
 
 import tyro
@@ -77,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.FlagCreatePairsOff),
     )
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), notes_printed():
             # Of EXIF that is corrupt, as some phones write it; an image that cannot be read is an error anyway.
             warnings.filterwarnings("ignore", module=r"PIL\b")
             return command.run()
@@ -92,6 +94,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
             soft_wrap=True,
         )
         return 130
+
+
+class _NotePrinter(logging.Handler):
+    """Prints what the work has to say beside its results, above the progress bars."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        console.print(record.getMessage(), highlight=False, markup=False, soft_wrap=True)
+
+
+@contextmanager
+def notes_printed() -> Iterator[None]:
+    """Print what is logged while a command runs: only the command line prints, the work logs."""
+    log, printer = logging.getLogger("active_perceiver"), _NotePrinter()
+    before = log.level
+    log.addHandler(printer)
+    log.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        log.setLevel(before)
+        log.removeHandler(printer)
 
 
 def user_errors() -> tuple[type[Exception], ...]:

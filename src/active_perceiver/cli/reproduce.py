@@ -25,7 +25,11 @@ class Reproduce:
     def run(self) -> int:
         from active_perceiver.reproduction.reproduce import reproduce
 
-        return 0 if reproduce(self.what, self.settings, self.out) else 1
+        written = reproduce(self.what, self.settings, self.out)
+        if written is None:
+            return 1
+        print("\n".join(written))
+        return 0
 
 
 ReproduceCommand = Annotated[

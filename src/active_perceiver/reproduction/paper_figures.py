@@ -30,7 +30,7 @@ PATH_LIMIT = 1000
 
 def curves(
     needed: Sequence[Cell], cells: Cells, goal_observations: PolicyInputs, scale: BudgetConfig, out: Path
-) -> None:
+) -> str:
     """Expected number of actions of a search during training, for each reward (the paper's figure of curves)."""
     results = {cell: cells.result(cell) for cell in needed}
     setup = needed[0].setup
@@ -66,7 +66,7 @@ def curves(
             for learner, some in panels.items() for curve in some
         ],
     }  # fmt: skip
-    _write(out, "curves", body, figure)
+    return _write(out, "curves", body, figure)
 
 
 def expected_length(record: dict[str, Any], limit: int) -> float:
@@ -87,7 +87,7 @@ def _shortest(cells: Cells, cell: Cell) -> float:
 
 def entropy(
     needed: Sequence[Cell], cells: Cells, goal_observations: PolicyInputs, scale: BudgetConfig, out: Path
-) -> None:
+) -> str:
     """Mean entropy of the policy per place at the start, in the middle and at the end of training."""
     rows: dict[str, list[NDArray[np.floating]]] = {}
     body: dict[str, Any] = {"boxes": goal_observations.boxes, "rows": []}
@@ -102,12 +102,14 @@ def entropy(
         means = {moment: float(some.mean()) for moment, some in zip(MOMENTS, by_moment, strict=True)}
         iterations = [record["iteration"] for record in cells.result(cell)["history"]]
         body["rows"].append({"cell": cell.name, "iterations": iterations[-1], "mean_entropy": means})
-    _write(out, "entropy", body | {"most": most}, entropy_maps(goal_observations.scene(scene), rows, MOMENTS, most))
+    return _write(
+        out, "entropy", body | {"most": most}, entropy_maps(goal_observations.scene(scene), rows, MOMENTS, most)
+    )
 
 
 def trajectories(
     needed: Sequence[Cell], cells: Cells, goal_observations: PolicyInputs, scale: BudgetConfig, out: Path
-) -> None:
+) -> str:
     """Searches from above for each target, by the policies that explore least."""
     panels, searches, stuck = [], [], []
     for cell in (cell for cell in needed if cell.method == "record_low"):
@@ -125,7 +127,7 @@ def trajectories(
             title = f"{LEARNER_LABELS[cell.learner]}, {name}: {lengths}"
             panels.append(SearchPanel(title, paths, task.goals[:, target]))
     body = {"boxes": goal_observations.boxes, "limit": PATH_LIMIT, "searches": searches, "stuck": stuck}
-    _write(out, "trajectories", body, trajectory_panels(scene, panels))
+    return _write(out, "trajectories", body, trajectory_panels(scene, panels))
 
 
 def where_stuck(table: NDArray[np.floating], task: SearchTask, target: int, limit: int) -> dict[str, float | None]:
@@ -169,8 +171,8 @@ def _far_apart(poses: NDArray[np.floating], starts: NDArray[np.int64], rng: np.r
     return chosen
 
 
-def _write(out: Path, name: str, body: dict[str, Any], figure: Figure) -> None:
+def _write(out: Path, name: str, body: dict[str, Any], figure: Figure) -> str:
     write_result(out / f"{name}.json", f"reproduce {name}", body)
     with replacing(out / f"{name}.png") as temporary:
         temporary.write_bytes(figure_png(figure))
-    print(f"{out / name}.json, {out / name}.png")
+    return f"{out / name}.json, {out / name}.png"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -27,11 +28,13 @@ from active_perceiver.utils.progress import console
 from active_perceiver.utils.result import write_result
 from active_perceiver.vision.backbone import load_backbone
 
+LOG = logging.getLogger(__name__)
+
 LEARNED: tuple[MethodName, ...] = tuple(name for name, method in METHODS.items() if method.reward)
 RECORD: tuple[MethodName, ...] = ("record_high", "record_low")
 
 
-def reproduce(what: Experiment, settings: ReproduceConfig, out: Path) -> bool:
+def reproduce(what: Experiment, settings: ReproduceConfig, out: Path) -> list[str] | None:
     """Run an experiment, or go on with it.
 
     Results of single trainings are kept in `out`/cells; what is there is not run again.
@@ -42,7 +45,8 @@ def reproduce(what: Experiment, settings: ReproduceConfig, out: Path) -> bool:
         out: folder for everything.
 
     Returns:
-        Whether all is done; if not, time was up, and the same call goes on.
+        For each experiment its table, if it has one, and the files that were written; None if time was up before all
+        was done: the same call goes on.
     """
     scale = QUICK if settings.quick else FULL
     with console.status(f"backbone {settings.backbone}; the first time it is converted, which takes half a minute"):
@@ -52,11 +56,12 @@ def reproduce(what: Experiment, settings: ReproduceConfig, out: Path) -> bool:
     chosen = list(EXPERIMENTS) if what == "all" else [what]
     wanted = list(dict.fromkeys(cell for name in chosen for cell in EXPERIMENTS[name][0](settings, scale)))
     if not _run(cells, wanted, settings.minutes):
-        return False
+        return None
+    written = []
     for name in chosen:
         needed, write = EXPERIMENTS[name]
-        write(needed(settings, scale), cells, goal_observations, scale, out)
-    return True
+        written.append(write(needed(settings, scale), cells, goal_observations, scale, out))
+    return written
 
 
 def _run(cells: Cells, wanted: Sequence[Cell], minutes: float | None) -> bool:
@@ -65,16 +70,13 @@ def _run(cells: Cells, wanted: Sequence[Cell], minutes: float | None) -> bool:
     missing = [cell for cell in wanted if not cells.done(cell)]
     for number, cell in enumerate(missing):
         if minutes is not None and time.monotonic() - started > 60 * minutes:
-            console.print(
-                f"time is up: {len(wanted) - len(missing) + number} of {len(wanted)} trainings are done; the same "
-                "command goes on",
-                highlight=False,
-            )
+            done = len(wanted) - len(missing) + number
+            LOG.warning("time is up: %d of %d trainings are done; the same command goes on", done, len(wanted))
             return False
         cells.result(cell)
         done = len(wanted) - len(missing) + number + 1
         minute = (time.monotonic() - started) / 60
-        console.print(f"{done} of {len(wanted)}: {cell.name} ({minute:.1f} min)", highlight=False)
+        LOG.info("%d of %d: %s (%.1f min)", done, len(wanted), cell.name, minute)
     return True
 
 
@@ -104,7 +106,7 @@ def _choice_cells(settings: ReproduceConfig, scale: BudgetConfig) -> list[Cell]:
 
 def _write_table_1(
     needed: Sequence[Cell], cells: Cells, goal_observations: PolicyInputs, scale: BudgetConfig, out: Path
-) -> None:
+) -> str:
     results = {cell: cells.result(cell) for cell in needed}
     rows = table_1(results)
     scenes = {scene for cell in needed for scene in scale.setups[cell.setup].searches}
@@ -112,30 +114,34 @@ def _write_table_1(
     text = format_table_1(rows, scale)
     if recogniser is not None:
         text += f"\n\n{format_recogniser(recogniser)}"
-    _write(
+    return _write(
         out, "table1", {"protocol": _protocol(goal_observations, scale), "recogniser": recogniser, "rows": rows}, text
     )
 
 
 def _write_table_2(
     needed: Sequence[Cell], cells: Cells, goal_observations: PolicyInputs, scale: BudgetConfig, out: Path
-) -> None:
+) -> str:
     rows = table_2({cell: cells.result(cell) for cell in needed})
-    _write(out, "table2", {"protocol": _protocol(goal_observations, scale), "rows": rows}, format_table_2(rows))
+    return _write(
+        out, "table2", {"protocol": _protocol(goal_observations, scale), "rows": rows}, format_table_2(rows)
+    )
 
 
 def _write_choices(
     needed: Sequence[Cell], cells: Cells, goal_observations: PolicyInputs, scale: BudgetConfig, out: Path
-) -> None:
+) -> str:
     rows = table_of_choices({cell: cells.result(cell) for cell in needed})
-    _write(out, "choices", {"protocol": _protocol(goal_observations, scale), "rows": rows}, format_choices(rows))
+    return _write(
+        out, "choices", {"protocol": _protocol(goal_observations, scale), "rows": rows}, format_choices(rows)
+    )
 
 
-def _write(out: Path, name: str, body: dict[str, Any], text: str) -> None:
+def _write(out: Path, name: str, body: dict[str, Any], text: str) -> str:
     write_result(out / f"{name}.json", f"reproduce {name}", body)
     with replacing(out / f"{name}.md") as temporary:
         temporary.write_text(text + "\n")
-    print(f"{text}\n\n{out / name}.json, {out / name}.md")
+    return f"{text}\n\n{out / name}.json, {out / name}.md"
 
 
 def _protocol(goal_observations: PolicyInputs, scale: BudgetConfig) -> dict[str, Any]:
@@ -167,7 +173,7 @@ def _recogniser(goal_observations: PolicyInputs, scenes: Sequence[str]) -> dict[
 
 
 Needs = Callable[[ReproduceConfig, BudgetConfig], list[Cell]]
-Writes = Callable[[Sequence[Cell], Cells, PolicyInputs, BudgetConfig, Path], None]
+Writes = Callable[[Sequence[Cell], Cells, PolicyInputs, BudgetConfig, Path], str]
 
 EXPERIMENTS: dict[Experiment, tuple[Needs, Writes]] = {
     "table1": (_table_1_cells, _write_table_1),

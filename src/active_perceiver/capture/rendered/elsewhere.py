@@ -5,6 +5,7 @@ The paper trains the recogniser of its conference room on 150 pictures of each t
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -26,11 +27,13 @@ from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.scenes.lattice import TURTLEBOT_ACTIONS
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.scenes.storage import save_scene
-from active_perceiver.utils.progress import ProgressBar, console, progress_bar
+from active_perceiver.utils.progress import ProgressBar, progress_bar
 from indoor_rooms.layouts import LAYOUTS
 from indoor_rooms.layouts.placement import stream
 from indoor_rooms.renderer.compiled import compile_room
 from indoor_rooms.renderer.lighting import BakedRoom, bake
+
+LOG = logging.getLogger(__name__)
 
 # Rays per vertex: photographs of a moment need no better light.
 BAKE_RAYS = 48
@@ -202,7 +205,7 @@ def _shots(
                 "for other --targets"
             )
         if sum(shares) < pictures:
-            console.print(f"note: only {sum(shares)} photographs of {name}: it is hard to see", highlight=False)
+            LOG.warning("note: only %d photographs of %s: it is hard to see", sum(shares), name)
         for room, share in enumerate(shares):
             shots += [(room, name, pose) for pose in poses[room][:share].tolist()]
     return sorted(shots, key=lambda shot: shot[0])

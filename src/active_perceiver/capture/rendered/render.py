@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 import re
 import time
 from collections.abc import Iterator, Sequence
@@ -21,9 +22,11 @@ from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.scenes.storage import save_scene
 from active_perceiver.utils.files import OutputExistsError, check_output
-from active_perceiver.utils.progress import ProgressBar, ProgressCallback, console, progress_bar
+from active_perceiver.utils.progress import ProgressBar, ProgressCallback, progress_bar
 from indoor_rooms.layouts import make_room
 from indoor_rooms.room import Room
+
+LOG = logging.getLogger(__name__)
 
 RENDERED_HERE = re.compile(r"active-perceiver room (\w+)_(\d+), rendered with Embree(; .*)?")
 
@@ -170,7 +173,7 @@ def render_scenes(
         if path in there and resume:
             yield path, None
         else:
-            console.print(f"{path} ({number} of {len(files)})", highlight=False)
+            LOG.info("%s (%d of %d)", path, number, len(files))
             yield path, render_scene(layout, seed, path, force=force, resume=resume, **options)
 
 
