@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from tyro.conf import Positional, subcommand
 
@@ -63,17 +63,44 @@ def print_problems(scene: Scene) -> int:
     return 1 if any(problem.fatal for problem in problems) else 0
 
 
+@dataclass(kw_only=True)
+class SceneFile:
+    """The scene file that an import writes."""
+
+    out: Path
+    """The scene file to write."""
+    name: str | None = None
+    """Name of the scene; that of the folder or file it is made from if not given."""
+    image_size: int = 300
+    """Side of the scene's views in pixels; images that are not square are padded."""
+    force: bool = False
+    """Replace an existing file."""
+
+    def write(self, read: Callable[..., Imported], source: Path, **options: Any) -> int:
+        """Read a dump with a reader of `datasets`, and write the scene."""
+        return write_imported(
+            self.out, self.force,
+            lambda report: read(source, name=self.name, image_size=self.image_size, progress=report, **options),
+        )  # fmt: skip
+
+
+@dataclass(kw_only=True)
+class ObjectSceneFile(SceneFile):
+    """The same for data with named objects."""
+
+    targets: tuple[str, ...] = ()
+    """Names of the objects as the data has them, Mug or coca_cola_glass_bottle for example; all if not given."""
+    pictures: Path | None = None
+    """Folder with pictures of objects, `NAME/*` or `NAME_*.jpg`; others are cropped from views."""
+
+
 @dataclass
-class ImportPhotos:
+class ImportPhotos(SceneFile):
     """A room photographed on a grid."""
 
     folder: Positional[Path]
     """Folder with the photographs, poses.csv (file,x,z,heading,tilt; metres and degrees), targets/NAME/ with pictures
     of each object, and, if they are there, annotations.json (COCO boxes) and moves.csv (file,action,next_file)."""
-    out: Path
-    """The scene file to write."""
-    name: str | None = None
-    """Name of the scene; the folder's if not given."""
     boxes: Path | None = None
     """COCO file as Label Studio and CVAT export it; annotations.json in the folder if not given. Photographs that it
     does not list are not labelled."""
@@ -85,14 +112,10 @@ class ImportPhotos:
     """Degrees of all tilts of the camera; found from the poses if not given."""
     sideways: bool = False
     """The robot can move to its sides, too. With moves.csv its actions are those of the table."""
-    image_size: int = 300
-    """Side of the scene's views in pixels; photographs that are not square are padded."""
     fov: float = 75.0
     """Field of view along the photographs' longer side, in degrees."""
     held_out: int = 0
     """So many pictures of each target, the last ones, are never trained with, to measure with."""
-    force: bool = False
-    """Replace an existing file."""
 
     def run(self) -> int:
         from active_perceiver.datasets.photos.pose_snapping import LatticeConfig
@@ -106,97 +129,48 @@ class ImportPhotos:
 
 
 @dataclass
-class ImportZhu:
+class ImportZhu(SceneFile):
     """A scene dump of Zhu et al. 2017."""
 
     file: Positional[Path]
     """The `.h5` file."""
-    out: Path
-    """The scene file to write."""
-    name: str | None = None
-    """Name of the scene; the file's if not given."""
-    image_size: int = 300
-    """Side of the views in pixels."""
     fov: float = 75.0
     """Field of view across the width in degrees; the file does not say it, and only figures use it."""
-    force: bool = False
-    """Replace an existing file."""
 
     def run(self) -> int:
         from active_perceiver.datasets.zhu.reader import import_zhu
 
-        return write_imported(
-            self.out, self.force,
-            lambda report: import_zhu(
-                self.file, name=self.name, image_size=self.image_size, fov=self.fov, progress=report
-            ),
-        )  # fmt: skip
+        return self.write(import_zhu, self.file, fov=self.fov)
 
 
 @dataclass
-class ImportSavn:
+class ImportSavn(ObjectSceneFile):
     """A folder of SAVN's offline AI2-THOR data."""
 
     folder: Positional[Path]
-    """The scene's folder, with or without the suffix `_physics`."""
-    out: Path
-    """The scene file to write."""
-    name: str | None = None
-    """Name of the scene; the folder's without the suffix if not given."""
-    targets: tuple[str, ...] = ()
-    """Types of objects, such as Mug; all if not given."""
-    pictures: Path | None = None
-    """Folder with pictures of objects, `NAME/*` or `NAME_*.jpg`; others are cropped from views."""
-    image_size: int = 300
-    """Side of the views in pixels."""
+    """The scene's folder, with or without the suffix `_physics`, which its name does not have."""
     fov: float = 90.0
     """The camera's field of view in degrees; the files do not say it."""
-    force: bool = False
-    """Replace an existing file."""
 
     def run(self) -> int:
         from active_perceiver.datasets.savn.reader import import_savn
 
-        return write_imported(
-            self.out, self.force,
-            lambda report: import_savn(
-                self.folder, name=self.name, targets=self.targets, pictures=self.pictures, image_size=self.image_size,
-                fov=self.fov, progress=report,
-            ),
-        )  # fmt: skip
+        return self.write(import_savn, self.folder, fov=self.fov, targets=self.targets, pictures=self.pictures)
 
 
 @dataclass
-class ImportAvd:
+class ImportAvd(ObjectSceneFile):
     """A scene of the Active Vision Dataset."""
 
     folder: Positional[Path]
     """The scene's folder."""
-    out: Path
-    """The scene file to write."""
-    name: str | None = None
-    """Name of the scene; the folder's if not given."""
-    targets: tuple[str, ...] = ()
-    """Names of instances, such as coca_cola_glass_bottle; all that have boxes if not given."""
-    pictures: Path | None = None
-    """Folder with pictures of instances, `NAME/*` or `NAME_*.jpg`; others are cropped from views."""
-    image_size: int = 300
-    """Side of the views in pixels."""
     fov: float = 84.1
     """The camera's field of view across the width in degrees."""
-    force: bool = False
-    """Replace an existing file."""
 
     def run(self) -> int:
         from active_perceiver.datasets.avd.reader import import_avd
 
-        return write_imported(
-            self.out, self.force,
-            lambda report: import_avd(
-                self.folder, name=self.name, targets=self.targets, pictures=self.pictures, image_size=self.image_size,
-                fov=self.fov, progress=report,
-            ),
-        )  # fmt: skip
+        return self.write(import_avd, self.folder, fov=self.fov, targets=self.targets, pictures=self.pictures)
 
 
 @dataclass
