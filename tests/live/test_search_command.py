@@ -17,8 +17,6 @@ from active_perceiver.live.session import stopped_like_interrupted
 from active_perceiver.live.terminal_view import LiveView, watching
 from helpers.recorded import setup_in, step_records_in
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 LONG = 300  # seconds after which a child that does nothing is given up
 
 
