@@ -4,12 +4,16 @@ PIP_ARGS ?=
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# What renders rooms, measures benchmarks, repeats the paper, makes environments of its own or drives a browser.
+NOT_CORE := indoor_rooms/tests $(addprefix tests/,benchmarks capture reproduction simulation \
+	deploy/test_export.py cli/test_demo.py scenes/test_bundled.py labelling/test_page.py)
 
-.PHONY: demo test lint docs clean help
+.PHONY: demo test test-core lint docs clean help
 
 help:
 	@echo "make demo   train on the bundled kitchen and search it; ends with where to look (about 5 minutes)"
 	@echo "make test   the tests, those of indoor_rooms too (about 8 minutes)"
+	@echo "make test-core  the tests without rendering, benchmarks and the paper again (about 3 minutes)"
 	@echo "make lint   ruff, mypy, and which folder may import which"
 	@echo "make docs   the generated blocks of README and docs, from benchmarks/ and the commands' help"
 	@echo "make clean  remove .venv, demo/ and caches"
@@ -19,6 +23,9 @@ demo: $(READY)
 
 test: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
+
+test-core: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadgroup $(NOT_CORE:%=--ignore=%) $(PYTEST_ARGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -1,6 +1,7 @@
 """Fixtures that several test folders share."""
 
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import hypothesis
@@ -8,10 +9,14 @@ import pytest
 
 from active_perceiver.scenes import Scene, save_scene
 from active_perceiver.training.config import TrainConfig
+from active_perceiver.vision import Backbone
+from helpers import toy_agent
 from helpers.agents import ball, short_searches, wanderer
+from helpers.small import backbone
 from helpers.toy import toy_scene
+from helpers.workers import shared_folder
 
-__all__ = ["ball", "short_searches", "wanderer"]
+__all__ = ["backbone", "ball", "short_searches", "wanderer"]
 
 # Tests do not measure time: on a busy machine a deadline is only a way to fail.
 hypothesis.settings.register_profile("untimed", deadline=None)
@@ -32,9 +37,10 @@ def scene() -> Scene:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Tests neither use nor fill the user's cache."""
-    folder = tmp_path_factory.mktemp("cache")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Tests neither use nor fill the user's cache; all workers share one."""
+    folder = shared_folder(tmp_path_factory) / "cache"
+    folder.mkdir(exist_ok=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ACTIVE_PERCEIVER_CACHE", str(folder))
         yield folder
@@ -49,14 +55,20 @@ def scene_file(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def settings(scene_file: Path) -> TrainConfig:
-    """A training of seconds; the tests that need its result are in the xdist group "agent", so that it runs once."""
-    return TrainConfig(scenes=(str(scene_file),), recogniser_steps=120, image_size=96, viewpoint_jitter_degrees=10.0)
+def settings(scene_file: Path, backbone: Backbone) -> TrainConfig:
+    """A training of seconds."""
+    return toy_agent.train_config(scene_file)
 
 
 @pytest.fixture(scope="session")
-def agent_folder(settings: TrainConfig, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An agent trained on the small scene."""
+def agent_folder(scene_file: Path, backbone: Backbone, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An agent trained on the small scene; it is committed, so that having it takes no time."""
+    return toy_agent.copy(tmp_path_factory.mktemp("agents") / "toy", scene_file)
+
+
+@pytest.fixture(scope="session")
+def trained_folder(settings: TrainConfig, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same, trained now: for tests of training, all in the xdist group "training", so that it runs once."""
     from active_perceiver.training.train import train_agent
 
     folder = tmp_path_factory.mktemp("agents") / "toy"

@@ -62,7 +62,6 @@ NEEDS: dict[str, Callable[[Path], None]] = {
 CANNOT_RUN = {"docs/ai2thor.md"}  # it needs the simulator
 
 
-@pytest.mark.xdist_group("agent")
 @pytest.mark.parametrize(("page", "number"), [one for one in CODE if one[0] not in CANNOT_RUN])
 def test_code_runs(page, number, agent_folder, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -81,7 +80,6 @@ def test_code_imports_what_exists(page, number):
             assert all(hasattr(import_module(node.module), alias.name) for alias in node.names)
 
 
-@pytest.mark.xdist_group("agent")
 @pytest.mark.parametrize(("answer", "moved"), [("", True), ("blocked", False)])
 def test_the_robot_of_its_page_says_whether_it_moved(answer, moved, agent_folder, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

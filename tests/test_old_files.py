@@ -14,8 +14,6 @@ from active_perceiver.scenes import load_scene
 from active_perceiver.scenes.box_labels import label_states
 from active_perceiver.scenes.scene import LABELLED, PROPOSED, UNLABELLED
 
-pytestmark = pytest.mark.xdist_group("agent")  # whose backbone these agents need as well
-
 OLD = Path(__file__).parent / "data" / "v0.1"
 SCENE = OLD / "toy_0.h5"
 SEARCHES = [

@@ -15,8 +15,6 @@ from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.evaluation.evaluate import agent_detections, with_query_pictures
 from active_perceiver.evaluation.stop_tables import evaluate_stops
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 
 @pytest.mark.parametrize("target", range(3))
 def test_found_needs_the_last_other_view_to_be_nearly_enough(agent_folder, scene, target):

@@ -17,8 +17,6 @@ from active_perceiver.live import SearchConfig, search
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import Action
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 STARTS = (0, 50, 101, 150)
 
 

@@ -25,8 +25,6 @@ from active_perceiver.scenes import ImageError, decode_image
 from active_perceiver.scenes.images import encode_image
 from active_perceiver.utils.files import OutputExistsError
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 
 @pytest.fixture(scope="module")
 def agent(agent_folder) -> ActivePerceiver:

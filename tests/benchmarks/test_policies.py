@@ -36,8 +36,6 @@ from active_perceiver.utils.files import OutputExistsError
 from helpers.interrupted import InterruptedExecutor
 from helpers.toy import toy_scene
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 ABOUT = {"setup": "kitchen", "ratio_limit": 1.02, "seconds_limit": 15.0}
 
 

@@ -29,7 +29,7 @@ from active_perceiver.recognition import RecognitionMetrics
 from active_perceiver.recognition.train import CONFIGS, NO_AUGMENTATION, train_recogniser
 from active_perceiver.scenes import Scene
 from active_perceiver.utils.files import OutputExistsError
-from active_perceiver.vision import load_backbone, scene_features
+from active_perceiver.vision import Backbone, scene_features
 from helpers.interrupted import InterruptedExecutor
 
 TINY = ["--image-size", "96", "--threads", "1"]
@@ -79,9 +79,8 @@ def test_a_run(scene: Scene, scene_file: Path, tmp_path: Path, capsys: pytest.Ca
     assert [path.name for path in tmp_path.iterdir() if path.suffix == ".part"] == []
 
 
-def test_its_figures_are_those_of_the_recogniser_it_trains(scene: Scene, cache: Path, tmp_path: Path) -> None:
+def test_its_figures_are_those_of_the_recogniser_it_trains(scene: Scene, backbone: Backbone, tmp_path: Path) -> None:
     settings = RecogniserBenchmarkConfig(steps=4, threads=1, image_size=96, variants=("pooled, targets held out",))
-    backbone = load_backbone(image_size=96, threads=1)
     features = scene_features(scene, backbone)
     body = recogniser.measure_recogniser_ablation(
         recogniser.Rooms((scene,), (features,), backbone),

@@ -84,13 +84,11 @@ def test_the_nearest_pose_is_one_of_the_lattice():
     assert nearest_pose(room, (x, z, 136.0, -16.0))[2:] == (180.0, -30.0)
 
 
-@pytest.mark.xdist_group("agent")
 def test_an_agent_of_another_room_is_refused(agent_folder: Path):
     with pytest.raises(UserError, match="was not trained in kitchen_1, but in toy_0"):
         RobotBenchmark([agent_folder], RobotBenchmarkConfig(room="kitchen_1", starts=1, compared=1)).prepare()
 
 
-@pytest.mark.xdist_group("agent")
 def test_what_is_wrong_with_a_room_is_said_by_the_process_that_opens_it(agent_folder: Path):
     nowhere = Conditions(0.0, 0.0, odometry_noise=False, nudge=0.0)
     lab = Lab(agent_folder, "kitchen_1_hour_never", nowhere, RobotBenchmarkConfig())
@@ -98,7 +96,6 @@ def test_what_is_wrong_with_a_room_is_said_by_the_process_that_opens_it(agent_fo
         list(ProcessExecutor(1).map(search_once, [0], lab))
 
 
-@pytest.mark.xdist_group("agent")
 def test_an_agent_has_its_own_targets_in_each_room(agent_folder: Path):
     agent = ActivePerceiver.from_pretrained(agent_folder)
     assert targets_in(agent, "toy_0") == [target.name for target in agent.config.targets]

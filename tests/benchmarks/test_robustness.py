@@ -28,9 +28,8 @@ from active_perceiver.evaluation.evaluate import measure_agent
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.scenes import Scene, save_scene
 from active_perceiver.scenes.images import encode_image
-from active_perceiver.vision import load_backbone
+from active_perceiver.vision import Backbone
 from active_perceiver.vision.cache import scene_features
-from helpers.small import SIZE
 from helpers.toy import toy_scene
 
 NAMES = ("ball2", "ball0")
@@ -38,10 +37,10 @@ GREY = np.full((40, 50, 3), 128, np.uint8)
 
 
 @pytest.fixture(scope="module")
-def folder(scene: Scene, scene_file: Path, cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(scene: Scene, scene_file: Path, backbone: Backbone, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An agent with random weights that notes what a trained one does."""
     folder = tmp_path_factory.mktemp("robustness") / "agent"
-    save_untrained_agent(folder, load_backbone(image_size=SIZE, threads=1), scene, NAMES)
+    save_untrained_agent(folder, backbone, scene, NAMES)
     held_out = np.flatnonzero(scene.positions % 4 == 0).tolist()
     notes = {"scenes": [str(scene_file)], "rank": 5, "held_out_views": {scene.name: held_out}}
     known = [KnownTarget(scene.name, name, 0.02) for name in NAMES]

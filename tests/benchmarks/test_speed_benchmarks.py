@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,8 +15,6 @@ from PIL import Image
 
 from active_perceiver.benchmarks.act.worker import PARTS
 from active_perceiver.cli.main import main
-from active_perceiver.scenes import Scene
-from active_perceiver.vision import load_backbone
 from helpers.small import SIZE
 
 SMALL = ["--image-size", str(SIZE), "--frame", "64", "48", "--threads", "1", "--repeats", "3", "--starts", "1"]
@@ -87,15 +86,13 @@ def test_act_without_an_agent_measures_random_weights_beside_torch(
 
 
 def test_act_measures_a_given_agent_without_torch(
-    scene: Scene, scene_file: Path, cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    wanderer: Path, scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from active_perceiver.benchmarks.act import measure as act_speed
-    from active_perceiver.benchmarks.act.untrained_agent import save_untrained_agent
 
-    save_untrained_agent(tmp_path / "agent", load_backbone(image_size=SIZE, threads=1), scene, ["ball0", "ball2"])
     monkeypatch.setattr(act_speed, "find_spec", lambda _: None)
     out = tmp_path / "act.json"
-    arguments = ["benchmark", "act", "--scene", str(scene_file), "--agent", str(tmp_path / "agent"), *SMALL]
+    arguments = ["benchmark", "act", "--scene", str(scene_file), "--agent", str(wanderer), *SMALL]
     assert main([*arguments, "--starts", "2", "--out", str(out)]) == 0
     (entry,) = json.loads(out.read_text())["actions"]
     assert entry["weights"] == "the agent's"
@@ -146,10 +143,8 @@ def test_force_replaces(scene_file: Path, tmp_path: Path) -> None:
     assert json.loads(out.read_text())["protocol"]["seconds"] == 0.001
 
 
-def test_a_damaged_agent_is_named(scene: Scene, scene_file: Path, tmp_path: Path, capsys: Any) -> None:
-    from active_perceiver.benchmarks.act.untrained_agent import save_untrained_agent
-
-    save_untrained_agent(tmp_path / "agent", load_backbone(image_size=SIZE, threads=1), scene, ["ball0"])
+def test_a_damaged_agent_is_named(wanderer: Path, scene_file: Path, tmp_path: Path, capsys: Any) -> None:
+    shutil.copytree(wanderer, tmp_path / "agent")
     (tmp_path / "agent" / "policy.onnx").write_bytes(b"broken")
     arguments = ["benchmark", "act", "--scene", str(scene_file), "--agent", str(tmp_path / "agent"), *SMALL]
     assert main(arguments) == 2

@@ -316,7 +316,6 @@ def test_help_has_examples_and_what_is_there_stays(tmp_path: Path, capsys: pytes
     assert path.read_text() == "precious"
 
 
-@pytest.mark.xdist_group("agent")
 def test_boxes_may_be_those_of_an_agent(scene_file: Path, agent_folder: Path) -> None:
     settings = train_speed.TrainSpeedConfig(scene=str(scene_file), targets=(), boxes=str(agent_folder))
     seen = train_speed.search_training_task(settings)

@@ -13,7 +13,7 @@ from active_perceiver.errors import UserError
 from active_perceiver.scenes import open_scene
 from active_perceiver.utils.files import OutputExistsError
 
-pytestmark = pytest.mark.xdist_group("agent")
+pytestmark = pytest.mark.xdist_group("demo")
 
 
 @pytest.fixture(scope="module")

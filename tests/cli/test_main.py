@@ -15,8 +15,6 @@ from active_perceiver.live.config import SessionConfig
 from active_perceiver.scenes import save_scene
 from active_perceiver.training.config import TrainConfig
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 COMMANDS = [
     [], ["demo"], ["train"], ["evaluate"], ["search"], ["report"], ["info"], ["scenes"], ["scenes", "list"],
     ["scenes", "info"], ["scenes", "check"], ["scenes", "render"], ["scenes", "label"],

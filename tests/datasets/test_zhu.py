@@ -109,7 +109,6 @@ def test_commands_that_need_objects_say_so(command, scene, dump, tmp_path, monke
     assert [path.name for path in tmp_path.iterdir()] == ["scene.h5"]
 
 
-@pytest.mark.xdist_group("agent")
 def test_an_agent_is_trained_to_find_views_in_it(dump, tmp_path):
     out = tmp_path / "scene.h5"
     assert main(["scenes", "import", "zhu", str(dump), "--out", str(out), "--image-size", "96"]) == 0

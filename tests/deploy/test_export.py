@@ -27,7 +27,7 @@ from active_perceiver.scenes import SceneError
 from active_perceiver.utils.files import OutputExistsError
 from active_perceiver.vision.backbone import pooled
 
-pytestmark = pytest.mark.xdist_group("agent")
+pytestmark = pytest.mark.xdist_group("export")
 
 ROBOT = """
 import json

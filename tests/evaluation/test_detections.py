@@ -49,7 +49,6 @@ def uneven() -> Scene:
     return dataclasses.replace(scene, name="uneven", targets=(more, fewer))
 
 
-@pytest.mark.xdist_group("agent")
 @pytest.mark.usefixtures("short_searches")
 def test_an_agent_of_scenes_with_other_numbers_of_pictures(uneven, settings, tmp_path):
     path = tmp_path / "uneven.h5"
@@ -77,7 +76,6 @@ def test_an_agent_of_scenes_with_other_numbers_of_pictures(uneven, settings, tmp
         agent_detections(agent)
 
 
-@pytest.mark.xdist_group("agent")
 def test_scenes_that_hold_nothing_out_are_measured_without(agent_folder, scene, settings, tmp_path):
     everything = tuple(
         dataclasses.replace(target, pictures=target.pictures[:2], held_out=0) for target in scene.targets

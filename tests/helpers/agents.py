@@ -10,15 +10,17 @@ from PIL import Image
 from active_perceiver.benchmarks.act.untrained_agent import save_untrained_agent
 from active_perceiver.evaluation import stop_evaluation
 from active_perceiver.scenes import Scene
-from active_perceiver.vision import load_backbone
-from helpers.small import SIZE
+from active_perceiver.vision import Backbone
+from helpers.workers import one_at_a_time, shared_folder
 
 
 @pytest.fixture(scope="session")
-def wanderer(scene: Scene, cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of the agent."""
-    folder = tmp_path_factory.mktemp("wanderer") / "agent"
-    save_untrained_agent(folder, load_backbone(image_size=SIZE, threads=1), scene, ["ball0"])
+def wanderer(scene: Scene, backbone: Backbone, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the agent, which all workers share."""
+    folder = shared_folder(tmp_path_factory) / "wanderer" / "agent"
+    with one_at_a_time(folder):
+        if not folder.exists():
+            save_untrained_agent(folder, backbone, scene, ["ball0"])
     return folder
 
 

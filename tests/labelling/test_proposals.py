@@ -17,7 +17,7 @@ from active_perceiver.scenes import load_scene, save_scene
 from active_perceiver.scenes.scene import LABELLED, PROPOSED, UNLABELLED
 from active_perceiver.training.train import label_warnings
 
-pytestmark = pytest.mark.xdist_group("agent")
+pytestmark = pytest.mark.xdist_group("proposals")
 
 SEEN, EARLIER = 100, 120
 """Views up to the first number are labelled, those up to the second have proposals from earlier."""

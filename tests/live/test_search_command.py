@@ -18,8 +18,6 @@ from active_perceiver.live.recording import read_recording
 from active_perceiver.live.terminal_view import LiveView
 from helpers.recorded import setup_in, step_records_in
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 LONG = 300  # seconds after which a child that does nothing is given up
 
 

@@ -14,8 +14,6 @@ from active_perceiver.live.search_loop import FOUND, MAX_MINUTES, MAX_STEPS
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes.images import encode_image
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 
 @pytest.fixture(scope="module")
 def agent(wanderer):

@@ -19,8 +19,6 @@ from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.reports.search_report import verdict
 from helpers.recorded import record_of, setup_in
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 ALL = {"search.mp4", "report.html", "path.png", "final.png", "search.json"}
 
 

@@ -169,7 +169,6 @@ def test_a_simulator_that_does_not_start_is_a_sentence_with_a_remedy(monkeypatch
     assert asked["platform"].__name__ == "CloudRendering" or sys.platform != "linux"
 
 
-@pytest.mark.xdist_group("agent")
 def test_search_finds_in_it(scene, agent_folder, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
         robot_factory, "start_controller", lambda room, settings: started.append(StandIn(scene, TYPES)) or started[-1]
@@ -198,7 +197,6 @@ def captured(scene, folder):
     return path
 
 
-@pytest.mark.xdist_group("agent")
 def test_search_without_a_scene_file_needs_no_floor_plan(agent_folder, tmp_path, monkeypatch, capsys):
     quarter = toy_scene()
     moved = np.array([0.25 / STEP, 0.25 / STEP, 1, 1], np.float32)

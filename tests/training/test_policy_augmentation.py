@@ -13,8 +13,6 @@ from active_perceiver.training.policy_augmentation import changed_observations, 
 from active_perceiver.vision.cache import scene_features
 from active_perceiver.vision.image_changes import photometric
 
-pytestmark = pytest.mark.xdist_group("agent")
-
 
 @pytest.fixture(scope="module")
 def agent(agent_folder):

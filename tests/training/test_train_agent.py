@@ -11,33 +11,33 @@ from active_perceiver.training import train as training
 from active_perceiver.utils.files import OutputExistsError
 from helpers.toy import toy_scene
 
-pytestmark = pytest.mark.xdist_group("agent")
+pytestmark = pytest.mark.xdist_group("training")
 
 
-def test_the_folder_is_complete_and_the_result_says_how_good_it_is(agent_folder, scene):
-    names = {path.name for path in agent_folder.iterdir()}
+def test_the_folder_is_complete_and_the_result_says_how_good_it_is(trained_folder, scene):
+    names = {path.name for path in trained_folder.iterdir()}
     assert names == {
         "README.md", "config.json", "known_pictures.npz", "maps", "policy.onnx", "policy.safetensors",
         "recogniser.json", "recogniser.onnx",
         "recogniser.safetensors", "result.json", "targets",
     }  # fmt: skip
-    result = json.loads((agent_folder / "result.json").read_text())
+    result = json.loads((trained_folder / "result.json").read_text())
     assert result["command"] == "train"
     assert {entry["target"] for entry in result["per_target"]} == set(scene.target_names)
     assert result["overall"]["success"] > 0.95
     assert result["machine"]["cores"] >= 1
-    assert (agent_folder / "README.md").read_text().startswith("---\nlibrary_name: active-perceiver")
-    assert not agent_folder.with_name("toy.part").exists()
+    assert (trained_folder / "README.md").read_text().startswith("---\nlibrary_name: active-perceiver")
+    assert not trained_folder.with_name("toy.part").exists()
 
 
-def test_an_agent_that_is_there_is_not_overwritten(settings, agent_folder):
-    before = (agent_folder / "config.json").read_bytes()
+def test_an_agent_that_is_there_is_not_overwritten(settings, trained_folder):
+    before = (trained_folder / "config.json").read_bytes()
     with pytest.raises(OutputExistsError, match="--force"):
-        training.train_agent(settings, agent_folder)
-    assert (agent_folder / "config.json").read_bytes() == before
+        training.train_agent(settings, trained_folder)
+    assert (trained_folder / "config.json").read_bytes() == before
 
 
-def test_an_interrupted_training_goes_on_and_gives_the_same_agent(settings, agent_folder, tmp_path, monkeypatch):
+def test_an_interrupted_training_goes_on_and_gives_the_same_agent(settings, trained_folder, tmp_path, monkeypatch):
     out = tmp_path / "agent"
 
     def interrupted(*_):
@@ -56,8 +56,8 @@ def test_an_interrupted_training_goes_on_and_gives_the_same_agent(settings, agen
     with monkeypatch.context() as patch:
         patch.setattr(training, "_train_recogniser", interrupted)  # it is there already
         training.train_agent(settings, out, resume=True)
-    assert (out / "recogniser.onnx").read_bytes() == (agent_folder / "recogniser.onnx").read_bytes()
-    again, first = (json.loads((folder / "result.json").read_text()) for folder in (out, agent_folder))
+    assert (out / "recogniser.onnx").read_bytes() == (trained_folder / "recogniser.onnx").read_bytes()
+    again, first = (json.loads((folder / "result.json").read_text()) for folder in (out, trained_folder))
     assert again["overall"] == first["overall"]
     assert again["stop_evaluation"] == first["stop_evaluation"]
 

@@ -29,7 +29,7 @@ from active_perceiver.training.common import learner_config
 from active_perceiver.training.config import TrainConfig
 from helpers.toy import toy_scene
 
-pytestmark = pytest.mark.xdist_group("agent")
+pytestmark = pytest.mark.xdist_group("view_agent")
 
 STATES = (30, 101, 160)
 

@@ -1,3 +1,3 @@
-from helpers.small import backbone, rng
+from helpers.small import rng
 
-__all__ = ["backbone", "rng"]
+__all__ = ["rng"]

@@ -11,6 +11,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from active_perceiver.vision.onnx_names import anonymise
 from active_perceiver.vision.sessions import onnxruntime
 
 
@@ -51,7 +52,7 @@ def to_onnx(
         tolerance: largest difference allowed between torch and ONNX Runtime, relative to the largest output.
 
     Returns:
-        The ONNX file's content.
+        The ONNX file's content; it follows from the network alone, see `anonymise`.
 
     Raises:
         ExportError: if the outputs differ.
@@ -70,7 +71,9 @@ def to_onnx(
         )
     assert program is not None
     program.model.metadata_props.update(metadata)
-    data = program.model_proto.SerializeToString()
+    model = program.model_proto
+    anonymise(model)
+    data = model.SerializeToString(deterministic=True)
     returned = module(*inputs.values())
     expected = [returned] if isinstance(returned, Tensor) else list(returned)
     session = onnxruntime.InferenceSession(data, providers=["CPUExecutionProvider"])

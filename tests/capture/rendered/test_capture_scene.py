@@ -118,6 +118,7 @@ def scenes() -> tuple[Scene, Scene]:
     return one, two
 
 
+@pytest.mark.xdist_group("captured")
 def test_scene_is_the_same_for_any_number_of_workers(scenes: tuple[Scene, Scene]) -> None:
     one, two = scenes
     assert one.views == two.views
@@ -125,6 +126,7 @@ def test_scene_is_the_same_for_any_number_of_workers(scenes: tuple[Scene, Scene]
     np.testing.assert_array_equal(one.boxes, two.boxes)
 
 
+@pytest.mark.xdist_group("captured")
 def test_scene_shows_the_room(scenes: tuple[Scene, Scene]) -> None:
     scene = scenes[0]
     assert len(scene) % 8 == 0

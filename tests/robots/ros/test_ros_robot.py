@@ -358,7 +358,6 @@ except KeyboardInterrupt:
         assert complaint.strip() == ("interrupted" if end == "Ctrl-C" else "")
 
 
-@pytest.mark.xdist_group("agent")
 def test_search_on_a_robot(agent_folder, tmp_path, capsys):
     scene = toy_scene()
 
