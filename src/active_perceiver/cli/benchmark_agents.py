@@ -136,6 +136,6 @@ AgentBenchmark = (
 
 
 def _render_again(scene: Any, out: Path, hour: str | None, moved: int | None) -> None:
-    from active_perceiver.capture.rendered.render import origin_of, render_scene
+    from active_perceiver.capture.rendered.render import RoomChange, origin_of, render_scene
 
-    render_scene(*origin_of(scene), out, resume=True, hour=hour, moved=moved)
+    render_scene(*origin_of(scene), out, resume=True, change=RoomChange(hour, moved))

@@ -100,7 +100,7 @@ class ScenesRender:
 
     def run(self) -> int:
         from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig
-        from active_perceiver.capture.rendered.render import default_name, render_scene, render_scenes
+        from active_perceiver.capture.rendered.render import RoomChange, default_name, render_scene, render_scenes
         from active_perceiver.parallel.process_pool import ProcessExecutor
 
         if self.count is not None and self.count < 1:
@@ -110,18 +110,18 @@ class ScenesRender:
             DEFAULT_CONFIGS.get(self.layout, CaptureConfig()),
             **{name: value for name, value in given.items() if value is not None},
         )
-        executor = ProcessExecutor(self.workers)
+        executor, change = ProcessExecutor(self.workers), RoomChange(self.hour, self.moved)
         if self.count is None:
-            path = self.out or Path(default_name(self.layout, self.seed, self.hour, self.moved))
+            path = self.out or Path(default_name(self.layout, self.seed, change))
             timing = render_scene(
                 self.layout, self.seed, path, force=self.force, resume=self.resume, executor=executor,
-                settings=settings, hour=self.hour, moved=self.moved,
+                settings=settings, change=change,
             )  # fmt: skip
             print(f"scene: {path}\n{timing.text()}")
             return 0
         rendered = render_scenes(
             self.layout, range(self.seed, self.seed + self.count), self.out or Path(), force=self.force,
-            resume=self.resume, executor=executor, settings=settings, hour=self.hour, moved=self.moved,
+            resume=self.resume, executor=executor, settings=settings, change=change,
         )  # fmt: skip
         for path, taken in rendered:
             print(f"scene: {path}\n{taken.text() if taken else 'was there'}")

@@ -11,7 +11,7 @@ import pytest
 from active_perceiver.capture.rendered import capture_scene as capture_module
 from active_perceiver.capture.rendered import render as rendering
 from active_perceiver.capture.rendered.config import CaptureConfig, CaptureError
-from active_perceiver.capture.rendered.render import Timing, render_scene, render_scenes, room_fingerprint
+from active_perceiver.capture.rendered.render import RoomChange, Timing, render_scene, render_scenes, room_fingerprint
 from active_perceiver.cli.main import main
 from active_perceiver.errors import UserError
 from active_perceiver.parallel import run_store
@@ -80,9 +80,9 @@ def interrupted(tmp_path: Path) -> Path:
 
 
 def test_another_hour_is_the_same_lattice_in_another_light(whole: Path, tmp_path: Path) -> None:
-    path = tmp_path / rendering.default_name("kitchen", 5, "low sun")
+    path = tmp_path / rendering.default_name("kitchen", 5, RoomChange("low sun"))
     assert path.name == "kitchen_5_hour_low_sun.h5"
-    render_scene("kitchen", 5, path, settings=SMALL, hour="low sun")
+    render_scene("kitchen", 5, path, settings=SMALL, change=RoomChange(hour="low sun"))
     scene, other = load_scene(whole), load_scene(path)
     np.testing.assert_array_equal(scene.poses, other.poses)
     np.testing.assert_array_equal(scene.transitions, other.transitions)
@@ -94,7 +94,7 @@ def test_another_hour_is_the_same_lattice_in_another_light(whole: Path, tmp_path
 
 def test_names_of_files_tell_rooms_apart() -> None:
     changes = [(None, None), ("dusk", None), (None, 1), (None, 2), ("dusk", 1)]
-    names = [rendering.default_name("kitchen", 1, *change) for change in changes]
+    names = [rendering.default_name("kitchen", 1, RoomChange(*change)) for change in changes]
     assert names[0] == "kitchen_1.h5"
     assert len(set(names)) == len(names)
 

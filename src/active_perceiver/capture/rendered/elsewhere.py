@@ -27,7 +27,7 @@ from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.scenes.lattice import TURTLEBOT_ACTIONS
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.scenes.storage import save_scene
-from active_perceiver.utils.progress import ProgressBar, progress_bar
+from active_perceiver.utils.progress import progress_bar
 from indoor_rooms.layouts import LAYOUTS
 from indoor_rooms.layouts.placement import stream
 from indoor_rooms.renderer.compiled import compile_room
@@ -86,7 +86,6 @@ def render_elsewhere(
     force: bool = False,
     resume: bool = False,
     executor: Executor | None = None,
-    progress: ProgressBar = progress_bar,
 ) -> Photographs:
     """Photograph the targets of a scene lying in other rooms, and write the photographs as a scene file.
 
@@ -106,7 +105,6 @@ def render_elsewhere(
         force: replace an existing file, and begin anew where the work was interrupted.
         resume: go on with interrupted work.
         executor: does the work; None for a process a core.
-        progress: opens a progress bar for each of the two stages: "other rooms", "photographs".
 
     Raises:
         CaptureError: if the scene was not rendered here, a number is below 1, a target can be photographed in no
@@ -125,7 +123,7 @@ def render_elsewhere(
         image_size=scene.image_size, fov=scene.fov, bake_rays=BAKE_RAYS,
     )  # fmt: skip
     executor = executor or ProcessExecutor()
-    with progress("other rooms") as report:
+    with progress_bar("other rooms") as report:
         plan, fingerprints = plan_rooms(scene.target_names, wanted, LAYOUTS[layout].things + seed, pictures, rooms)
         noted = _noted(scene, wanted, pictures, settings, fingerprints)
         store = RunStore.begin(part_folder(out), noted, force=force, resume=resume)
@@ -133,7 +131,7 @@ def render_elsewhere(
         run_missing(executor, store, _prepare, {room.key: room for room in plan}, studio, report)
     shots = _shots(plan, store, wanted, pictures)
     taken_from = {f"photograph-{number:05}": (room, pose) for number, (room, _, pose) in enumerate(shots)}
-    with progress("photographs") as report:
+    with progress_bar("photographs") as report:
         run_missing(executor, store, _photograph, taken_from, studio, report)
     seen = [store.loaded(key) for key in taken_from]
     names = tuple(room.name for room in plan)

@@ -36,7 +36,7 @@ from active_perceiver.scenes.images import decode_image, encode_image
 from active_perceiver.scenes.lattice import lattice_poses
 from active_perceiver.scenes.scene import Target
 from active_perceiver.utils.files import OutputExistsError, check_output, replacing_folder
-from active_perceiver.utils.progress import ProgressBar, progress_bar
+from active_perceiver.utils.progress import progress_bar
 from indoor_rooms.free_space import free_positions
 from indoor_rooms.layouts import make_room
 from indoor_rooms.renderer.camera_faults import CameraFaults
@@ -117,7 +117,6 @@ def take_photographs(
     resume: bool = False,
     executor: Executor | None = None,
     settings: CaptureConfig | None = None,
-    progress: ProgressBar = progress_bar,
 ) -> int:
     """Write a folder of photographs of a rendered room: `IMG_0001.jpg` and so on, `poses.csv`, COCO boxes, targets.
 
@@ -133,7 +132,6 @@ def take_photographs(
         resume: go on with interrupted work.
         executor: does the work; None for a process a core.
         settings: None for those of the layout; the pictures' size is the photographer's.
-        progress: opens a progress bar for each stage.
 
     Returns:
         The number of photographs.
@@ -155,8 +153,8 @@ def take_photographs(
     studio = Studio(room, settings, seed, store)
     jobs = [(pose, names, photographer.height) for pose in rolls.taken.tolist()]
     executor = executor or ProcessExecutor()
-    seen = take_views(_photograph, studio, jobs, executor, progress)
-    targets = take_targets(studio, names, executor, progress)
+    seen = take_views(_photograph, studio, jobs, executor, progress_bar)
+    targets = take_targets(studio, names, executor, progress_bar)
     _write(folder, rolls.written, seen, targets, (photographer.width, photographer.height))
     store.remove()
     return len(seen)

@@ -84,6 +84,26 @@ class Timing:
         return "\n".join(lines)
 
 
+@dataclass(frozen=True)
+class RoomChange:
+    """In what a room is not as its seed says; see `layouts.make_room`.
+
+    Attributes:
+        hour: of the day; the seed's own if None.
+        moved: which other arrangement of the things; the room's own if None.
+    """
+
+    hour: str | None = None
+    moved: int | None = None
+
+    def words(self) -> list[str]:
+        """Say what is different: "hour dusk", "moved 2"."""
+        return [f"{name} {value}" for name, value in asdict(self).items() if value is not None]
+
+
+UNCHANGED = RoomChange()
+
+
 def render_scene(
     layout: str,
     seed: int,
@@ -93,9 +113,7 @@ def render_scene(
     resume: bool = False,
     executor: Executor | None = None,
     settings: CaptureConfig | None = None,
-    hour: str | None = None,
-    moved: int | None = None,
-    progress: ProgressBar = progress_bar,
+    change: RoomChange = UNCHANGED,
 ) -> Timing:
     """Furnish a room, photograph it and write the scene file.
 
@@ -109,9 +127,7 @@ def render_scene(
         resume: go on with an interrupted rendering.
         executor: does the work; None for a process a core.
         settings: None for those of the layout, see `capture_settings.DEFAULT_CONFIGS`.
-        hour: of the day, see `layouts.make_room`; the seed's own if None.
-        moved: which other arrangement of the things, see `layouts.make_room`; the room's own if None.
-        progress: opens a progress bar for each stage.
+        change: in what the room is not as its seed says.
 
     Returns:
         Where the time went.
@@ -126,12 +142,12 @@ def render_scene(
     executor = executor or ProcessExecutor()
     timing = Timing(executor.workers)
     with timing.stage("room"):
-        room = make_room(layout, seed, hour=hour, moved=moved)
+        room = make_room(layout, seed, hour=change.hour, moved=change.moved)
     noted = noted_origin(layout, seed, settings, room)
     store = RunStore.begin(part_folder(out), noted, force=force, resume=resume)
-    scene = capture(room, settings, seed=seed, executor=executor, progress=timing.timed(progress), store=store)
+    scene = capture(room, settings, seed=seed, executor=executor, progress=timing.timed(progress_bar), store=store)
     with timing.stage("file"):
-        changed = "".join(f"; {change}" for change in changes(hour, moved))
+        changed = "".join(f"; {word}" for word in change.words())
         save_scene(replace(scene, name=out.stem, source=f"{scene.source}{changed}"), out, force=force)
     store.remove()
     return timing
@@ -144,6 +160,7 @@ def render_scenes(
     *,
     force: bool = False,
     resume: bool = False,
+    change: RoomChange = UNCHANGED,
     **options: Any,
 ) -> Iterator[tuple[Path, Timing | None]]:
     """Render a room for each seed, in a folder; files are named as by `default_name`.
@@ -154,7 +171,8 @@ def render_scenes(
         folder: is made.
         force: replace files that are there.
         resume: leave files that are there as they are, and go on with an interrupted rendering.
-        options: see `render_scene`.
+        change: see `render_scene`.
+        options: see there as well.
 
     Yields:
         Each file when it is done, and where its time went; None for one that was there.
@@ -162,7 +180,7 @@ def render_scenes(
     Raises:
         OutputExistsError: before anything is rendered, if a file exists and nothing says what to do with it.
     """
-    files = [folder / default_name(layout, seed, options.get("hour"), options.get("moved")) for seed in seeds]
+    files = [folder / default_name(layout, seed, change) for seed in seeds]
     there = [path for path in files if path.exists()]
     if there and not (force or resume):
         raise OutputExistsError(
@@ -174,18 +192,12 @@ def render_scenes(
             yield path, None
         else:
             LOG.info("%s (%d of %d)", path, number, len(files))
-            yield path, render_scene(layout, seed, path, force=force, resume=resume, **options)
+            yield path, render_scene(layout, seed, path, force=force, resume=resume, change=change, **options)
 
 
-def changes(hour: str | None, moved: int | None) -> list[str]:
-    """In words, how a room is not what its seed says."""
-    by_name = {"hour": hour, "moved": moved}
-    return [f"{name} {value}" for name, value in by_name.items() if value is not None]
-
-
-def default_name(layout: str, seed: int, hour: str | None = None, moved: int | None = None) -> str:
+def default_name(layout: str, seed: int, change: RoomChange = UNCHANGED) -> str:
     """What a room's scene file is called: "kitchen_1.h5", "kitchen_1_hour_dusk.h5"."""
-    return f"{'_'.join([layout, str(seed), *changes(hour, moved)])}.h5".replace(" ", "_")
+    return f"{'_'.join([layout, str(seed), *change.words()])}.h5".replace(" ", "_")
 
 
 def origin_of(scene: Scene) -> tuple[str, int]:
