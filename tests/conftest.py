@@ -57,8 +57,8 @@ def settings(scene_file: Path) -> TrainConfig:
 @pytest.fixture(scope="session")
 def agent_folder(settings: TrainConfig, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An agent trained on the small scene."""
-    from active_perceiver.training.train import train_agent
+    from active_perceiver.training.train import train
 
     folder = tmp_path_factory.mktemp("agents") / "toy"
-    train_agent(settings, folder)
+    train(settings, folder)
     return folder

@@ -66,9 +66,10 @@ class Train:
 
     def run(self) -> int:
         from active_perceiver.evaluation.evaluate import format_measures
-        from active_perceiver.training.train import train_agent
+        from active_perceiver.training.train import train
 
-        print(format_measures(train_agent(self.settings, self.out, force=self.force, resume=self.resume)))
+        result = train(self.settings, self.out, force=self.force, resume=self.resume)
+        print(format_measures(result.to_json()))
         print(f"agent: {self.out}   measured: {self.out / 'result.json'}")
         return 0
 
@@ -86,9 +87,19 @@ class Evaluate:
     """Replace an existing file."""
 
     def run(self) -> int:
-        from active_perceiver.evaluation.evaluate import evaluate_command
+        from active_perceiver.agent.perceiver import ActivePerceiver
+        from active_perceiver.evaluation.evaluate import evaluate, format_measures
+        from active_perceiver.utils.files import OutputExistsError
+        from active_perceiver.utils.result import write_result
 
-        evaluate_command(self.agent, self.settings, self.out, force=self.force)
+        if self.out is not None and self.out.exists() and not self.force:
+            raise OutputExistsError(f"{self.out} exists; give another --out, or --force to replace it")
+        config = self.settings
+        agent = ActivePerceiver.from_pretrained(self.agent, confirm=config.confirm, explore=config.explore)
+        body = evaluate(agent, config).to_json()
+        print(format_measures(body))
+        if self.out is not None:
+            write_result(self.out, "evaluate", body)
         return 0
 
 
@@ -230,7 +241,8 @@ class Pretrain:
     def run(self) -> int:
         from active_perceiver.training.pretrain import pretrain
 
-        pretrain(self.scenes, self.out, steps=self.steps, seed=self.seed, force=self.force)
+        seconds = pretrain(self.scenes, self.out, steps=self.steps, seed=self.seed, force=self.force)
+        print(f"weights: {self.out} ({seconds:.0f} s)")
         return 0
 
 
