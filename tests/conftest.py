@@ -69,8 +69,8 @@ def agent_folder(scene_file: Path, backbone: Backbone, tmp_path_factory: pytest.
 @pytest.fixture(scope="session")
 def trained_folder(settings: TrainConfig, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same, trained now: for tests of training, all in the xdist group "training", so that it runs once."""
-    from active_perceiver.training.train import train_agent
+    from active_perceiver.training.train import train
 
     folder = tmp_path_factory.mktemp("agents") / "toy"
-    train_agent(settings, folder)
+    train(settings, folder)
     return folder

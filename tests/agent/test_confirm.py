@@ -12,7 +12,7 @@ from active_perceiver.agent.config import AgentError
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.cli.main import main
 from active_perceiver.evaluation.config import EvaluateConfig
-from active_perceiver.evaluation.evaluate import agent_detections, with_query_pictures
+from active_perceiver.evaluation.object_measures import agent_detections, with_query_pictures
 from active_perceiver.evaluation.stop_tables import evaluate_stops
 
 
@@ -59,13 +59,11 @@ def test_two_views_take_longer(agent_folder):
     one, two = (
         evaluate_stops(agent, asked, EvaluateConfig(confirm=confirm, explore=False)) for confirm in (False, True)
     )
-    by_one, by_two = ({row["target"]: row for row in measured["per_target"]} for measured in (one, two))
+    by_one, by_two = ({row.target: row for row in measured.per_target} for measured in (one, two))
     assert by_one.keys() == by_two.keys()
     for name, row in by_two.items():
-        assert row["false_found"] <= by_one[name]["false_found"]
-    steps = [
-        [row["mean_steps"] for row in rows.values() if np.isfinite(row["mean_steps"])] for rows in (by_one, by_two)
-    ]
+        assert row.false_found <= by_one[name].false_found
+    steps = [[row.mean_steps for row in rows.values() if np.isfinite(row.mean_steps)] for rows in (by_one, by_two)]
     assert np.mean(steps[1]) > np.mean(steps[0])
 
 

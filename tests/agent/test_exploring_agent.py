@@ -12,7 +12,7 @@ from active_perceiver.agent.exploration import map_file
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.evaluation import stop_evaluation, stop_tables
 from active_perceiver.evaluation.config import EvaluateConfig
-from active_perceiver.evaluation.evaluate import agent_detections, with_query_pictures
+from active_perceiver.evaluation.object_measures import agent_detections, with_query_pictures
 from active_perceiver.live import SearchConfig, search
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import Action

@@ -17,7 +17,7 @@ from active_perceiver.agent.found_criterion import OPEN_SET_SCORE, FoundCriterio
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.target_matching import PICTURES_FILE
 from active_perceiver.envs.task import SearchTask
-from active_perceiver.evaluation.evaluate import agent_detections, with_query_pictures
+from active_perceiver.evaluation.object_measures import agent_detections, with_query_pictures
 from active_perceiver.live import SearchConfig, search
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.robots import RecordedRobot

@@ -24,7 +24,7 @@ from active_perceiver.benchmarks.runner import OutputFiles, run_benchmark
 from active_perceiver.cli.main import main
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import UserError
-from active_perceiver.evaluation.evaluate import agent_detections
+from active_perceiver.evaluation.object_measures import agent_detections
 from active_perceiver.parallel.executor import SerialExecutor
 from active_perceiver.policies.config import DistilConfig
 from active_perceiver.policies.evaluation import exact_evaluation
@@ -90,8 +90,8 @@ def test_the_problem_is_the_one_that_training_has_and_the_figures_are_plain_ones
     agent = ActivePerceiver.from_pretrained(agent_folder)
     (seen,) = agent_detections(agent)
     task = SearchTask.from_scene(seen.scene, seen.names)
-    threshold, copies = agent.recogniser.threshold, agent.config.training["view_augmentation"]
-    degrees = agent.config.training["viewpoint_jitter_degrees"]
+    threshold, copies = agent.recogniser.threshold, agent.config.training.view_augmentation
+    degrees = agent.config.training.viewpoint_jitter_degrees
     changed = changed_observations(seen, agent.backbone, agent.recogniser, threshold, copies, degrees, 0)
     trained = TrainingTask(task, seen.observations(threshold, seen.trained_pictures), changed)
     (training_task,) = setup.training_tasks

@@ -13,18 +13,19 @@ from PIL import Image
 
 from active_perceiver.agent.config import AgentConfig, KnownTarget
 from active_perceiver.agent.perceiver import ActivePerceiver
+from active_perceiver.agent.training_record import TrainingRecord
 from active_perceiver.benchmarks.act.untrained_agent import save_untrained_agent
 from active_perceiver.benchmarks.config import RobustnessConfig
 from active_perceiver.benchmarks.robustness import measure as robustness
 from active_perceiver.benchmarks.robustness import perturbations
 from active_perceiver.benchmarks.robustness.measure import chosen_conditions, format_robustness, measure_robustness
 from active_perceiver.benchmarks.robustness.perturbations import CLEAN, CONDITIONS, Condition
-from active_perceiver.benchmarks.robustness.perturbed_detections import Queries, judged_in_new_places, look_around
+from active_perceiver.benchmarks.robustness.perturbed_detections import Queries, look_around, views_of_new_places
 from active_perceiver.cli.main import main
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.evaluation.detections import detect_all_views
-from active_perceiver.evaluation.evaluate import measure_agent
+from active_perceiver.evaluation.object_measures import measure_agent
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.scenes import Scene, save_scene
 from active_perceiver.scenes.images import encode_image
@@ -42,7 +43,7 @@ def folder(scene: Scene, scene_file: Path, backbone: Backbone, tmp_path_factory:
     folder = tmp_path_factory.mktemp("robustness") / "agent"
     save_untrained_agent(folder, backbone, scene, NAMES)
     held_out = np.flatnonzero(scene.positions % 4 == 0).tolist()
-    notes = {"scenes": [str(scene_file)], "rank": 5, "held_out_views": {scene.name: held_out}}
+    notes = TrainingRecord(scenes=(str(scene_file),), held_out_views={scene.name: held_out})
     known = [KnownTarget(scene.name, name, 0.02) for name in NAMES]
     replace(
         AgentConfig.load(folder), training=notes, targets=known, stop_area_threshold=0.02, match_threshold=0.5
@@ -182,10 +183,10 @@ def test_the_plain_condition_is_the_usual_measurement(
     (row,) = body["conditions"]
     cached = detect_all_views(scene, scene_features(scene, agent.backbone), agent.recogniser, NAMES)
     usual = measure_agent(agent, [cached], EvaluateConfig(limit=50, searches=30))
-    assert row["success"] == pytest.approx(usual["overall"]["success"], abs=1e-3)
-    assert row["auroc"] == pytest.approx(usual["detection"]["pictures_seen"]["auroc"], abs=1e-2)
+    assert row["success"] == pytest.approx(usual.policy.overall.success, abs=1e-3)
+    assert row["auroc"] == pytest.approx(usual.detection["pictures_seen"].auroc, abs=1e-2)
     assert row["true_found"] + row["false_found"] + row["not_found"] == pytest.approx(1)
-    word = usual["stop_evaluation"]["pictures_seen"]["overall"]
+    word = usual.stops["pictures_seen"].overall
     assert row["not_found"] == pytest.approx(word["not_found"], abs=0.1)
 
 
@@ -196,15 +197,13 @@ def test_recognition_is_judged_in_places_that_are_new(agent: ActivePerceiver, as
     poses = scene.poses[back].copy()
     poses[0, 0] += 10.0
     there = replace(seen, scene=replace(scene, poses=poses, views=[scene.views[state] for state in back]))
-    held_out = agent.config.training["held_out_views"][scene.name]
+    held_out = agent.config.training.held_out_views[scene.name]
     trained = np.setdiff1d(np.arange(len(scene)), held_out)
     trained_places = {tuple(place) for place in scene.poses[trained, :2].round(2).tolist()}
     new = [state for state, place in enumerate(poses[:, :2].round(2).tolist()) if tuple(place) not in trained_places]
     assert len(new) > len(held_out)
-    judged = judged_in_new_places(agent, [asked], [there])
-    assert judged.config.training["held_out_views"][scene.name] == new
+    assert views_of_new_places(agent, [asked], [there]) == {scene.name: new}
     assert 0 in new
-    assert agent.config.training["held_out_views"][scene.name] == held_out
 
 
 def test_rooms_are_rendered_where_there_is_no_file_and_kept(

@@ -12,8 +12,9 @@ import pytest
 from active_perceiver.agent.config import picture_folder
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.errors import UserError
+from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.evaluation.detections import even_pictures
-from active_perceiver.evaluation.evaluate import agent_detections
+from active_perceiver.evaluation.object_measures import agent_detections, measure_agent
 from active_perceiver.scenes import Scene, Target, save_scene
 from active_perceiver.training import train as training
 from helpers.toy import toy_scene
@@ -54,7 +55,7 @@ def test_an_agent_of_scenes_with_other_numbers_of_pictures(uneven, settings, tmp
     path = tmp_path / "uneven.h5"
     save_scene(uneven, path)
     both = dataclasses.replace(settings, scenes=(*settings.scenes, str(path)), recogniser_steps=5, policy_seconds=1.0)
-    body = training.train_agent(both, tmp_path / "agent")
+    body = training.train(both, tmp_path / "agent").to_json()
     config = json.loads((tmp_path / "agent" / "config.json").read_text())
     assert config["training"]["held_out_pictures"]["uneven"] == {"ball0": 2, "ball1": 1}
     kept = [len(list(picture_folder(tmp_path / "agent", "uneven", f"ball{k}").iterdir())) for k in range(2)]
@@ -88,6 +89,6 @@ def test_scenes_that_hold_nothing_out_are_measured_without(agent_folder, scene, 
     config["training"]["scenes"] = [str(path)]
     (copy / "config.json").write_text(json.dumps(config))
     agent = ActivePerceiver.from_pretrained(copy)
-    body = training.measure_agent(agent, agent_detections(agent), training.EvaluateConfig(searches=5))
+    body = measure_agent(agent, agent_detections(agent), EvaluateConfig(searches=5)).to_json()
     assert "unseen_pictures" not in body
     assert set(body["detection"]) == {"pictures_seen"}

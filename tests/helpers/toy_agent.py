@@ -17,7 +17,7 @@ from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.scenes import save_scene
 from active_perceiver.training import common
 from active_perceiver.training.config import TrainConfig
-from active_perceiver.training.train import train_agent
+from active_perceiver.training.train import train
 from helpers.toy import toy_scene
 
 FOLDER = Path(__file__).parents[1] / "data" / "toy_agent"
@@ -45,7 +45,7 @@ def make(folder: Path = FOLDER) -> None:
         scene_file, made = Path(name) / "toy_0.h5", Path(name) / "agent"
         save_scene(toy_scene(), scene_file)
         with mock.patch.object(common, "learner_config", narrow):
-            train_agent(train_config(scene_file), made)
+            train(train_config(scene_file), made)
         for left_out in LEFT_OUT:
             (made / left_out).unlink()
         _rename_scene(made, str(scene_file), SCENE)

@@ -15,7 +15,7 @@ from active_perceiver.labelling.view_labels import ViewLabels
 from active_perceiver.recognition.metrics import box_iou
 from active_perceiver.scenes import load_scene, save_scene
 from active_perceiver.scenes.scene import LABELLED, PROPOSED, UNLABELLED
-from active_perceiver.training.train import label_warnings
+from active_perceiver.training.inputs import label_warnings
 
 pytestmark = pytest.mark.xdist_group("proposals")
 

@@ -15,8 +15,8 @@ from active_perceiver.policies.fitting import state_batches
 from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.network import picture_tensors
 from active_perceiver.scenes.lattice import steps_to_goal
-from active_perceiver.training.common import learner_config
 from active_perceiver.training.config import TrainConfig
+from active_perceiver.training.policy_stage import learner_config
 from helpers.problems import toy_task
 
 

@@ -20,13 +20,13 @@ from active_perceiver.cli.main import main
 from active_perceiver.deploy.export import export_agent
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.config import EvaluateConfig
-from active_perceiver.evaluation.view_metrics import agent_view_searches, measure_view_agent
+from active_perceiver.evaluation.view_measures import agent_view_searches, measure_view_agent
 from active_perceiver.evaluation.view_selection import VIEWS, ViewSearches, chosen_states
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.scenes import save_scene
 from active_perceiver.training import train as training
-from active_perceiver.training.common import learner_config
 from active_perceiver.training.config import TrainConfig
+from active_perceiver.training.policy_stage import learner_config
 from helpers.toy import toy_scene
 
 pytestmark = pytest.mark.xdist_group("view_agent")
@@ -81,10 +81,10 @@ def test_its_own_word_is_true(folder):
 
 def test_saying_found_elsewhere_is_false(agent):
     hasty = ActivePerceiver(agent.folder, dataclasses.replace(agent.config, found_similarity=0.0), agent.backbone)
-    body = measure_view_agent(hasty, agent_view_searches(hasty), EvaluateConfig(searches=30))
-    word = body["stop_evaluation"]["pictures_seen"]["overall"]
+    measured = measure_view_agent(hasty, agent_view_searches(hasty), EvaluateConfig(searches=30))
+    word = measured.stops["pictures_seen"].overall
     assert (word["true_found"], word["false_found"], word["not_found"]) == (0, 1, 0)
-    assert body["overall"]["success"] > 0.99  # which does not depend on its word
+    assert measured.policy.overall.success > 0.99  # which does not depend on its word
 
 
 def test_only_the_view_itself_is_alike_enough(agent):
@@ -209,11 +209,11 @@ def test_ppo_learns_it_in_two_scenes(view_settings, tmp_path):
         view_settings, scenes=(*view_settings.scenes, str(tmp_path / "toy_3.h5")),
         targets=("toy_0/30", "toy_3/5"), learner="ppo", policy_seconds=3.0,
     )  # fmt: skip
-    body = training.train_agent(both, tmp_path / "agent")
-    assert [(entry["scene"], entry["target"]) for entry in body["per_target"]] == [
+    per_target = training.train(both, tmp_path / "agent").evaluation.policy.per_target
+    assert [(result.scene, result.target) for result in per_target] == [
         ("toy_0", "view_30"), ("toy_3", "view_5"),
     ]  # fmt: skip
-    assert body["per_target"][1]["success"] > 0.5
+    assert per_target[1].success > 0.5
 
 
 def test_a_scene_that_has_changed_is_not_measured(folder, tmp_path):
@@ -221,9 +221,9 @@ def test_a_scene_that_has_changed_is_not_measured(folder, tmp_path):
     config = AgentConfig.load(folder)
     changed = dataclasses.replace(toy_scene(1), name=config.targets[0].scene)
     save_scene(changed, tmp_path / "changed.h5")
-    dataclasses.replace(config, training={**config.training, "scenes": [str(tmp_path / "changed.h5")]}).save(
-        tmp_path / "agent"
-    )
+    dataclasses.replace(
+        config, training=dataclasses.replace(config.training, scenes=(str(tmp_path / "changed.h5"),))
+    ).save(tmp_path / "agent")
     with pytest.raises(UserError, match="'view_30' is not the view of scene 'toy_0'"):
         agent_view_searches(ActivePerceiver.from_pretrained(tmp_path / "agent"))
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from dataclasses import MISSING, asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
+from active_perceiver.agent.training_record import TrainingRecord
 from active_perceiver.errors import UserError
 from active_perceiver.scenes import Action
 from active_perceiver.utils.files import replacing
@@ -16,7 +17,7 @@ from active_perceiver.utils.stored_names import AGENT, current_names
 FORMAT = "active-perceiver-agent"
 VERSION = 1
 
-SearchKind = Literal["object", "view"]
+GoalName = Literal["object", "view"]
 """What a picture shows that an agent searches for: an object on its own, or a view of the scene."""
 
 
@@ -47,13 +48,13 @@ class AgentConfig:
     Attributes:
         backbone: name of the frozen feature extractor.
         image_size: side in pixels to which views and pictures are scaled.
-        recogniser: kind of recogniser, "matching" or "pooled"; "none" if it searches for views.
+        recogniser: kind of recogniser, "matching" or "pooled"; None if it searches for views.
         score_threshold: presence probability from which on a detection counts.
         branches: policy branch (scene name) -> names of its actions.
         targets: what the policy was trained for.
         stop_area_threshold: `KnownTarget.stop_area_threshold` for a picture that shows none of them.
         match_threshold: cosine similarity of the recogniser's codes from which on a picture shows a known target.
-        training: how it was trained (settings and seeds), for people to read.
+        training: how it was trained.
         task: what it searches for; agents of before there was a choice search for objects.
         found_similarity: an agent that searches for views says found when the features of what it sees have at least
             this cosine similarity to those of the picture.
@@ -61,19 +62,19 @@ class AgentConfig:
 
     backbone: str
     image_size: int
-    recogniser: str
+    recogniser: str | None
     score_threshold: float
     branches: dict[str, list[str]]
     targets: list[KnownTarget]
     stop_area_threshold: float
     match_threshold: float
-    training: dict[str, Any] = field(default_factory=dict)
-    task: SearchKind = "object"
+    training: TrainingRecord = field(default_factory=TrainingRecord)
+    task: GoalName = "object"
     found_similarity: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.task not in get_args(SearchKind):
-            raise AgentError(f"an agent searches for one of {', '.join(get_args(SearchKind))}, not '{self.task}'")
+        if self.task not in get_args(GoalName):
+            raise AgentError(f"an agent searches for one of {', '.join(get_args(GoalName))}, not '{self.task}'")
 
     def actions(self, branch: str) -> tuple[Action, ...]:
         """The actions of one branch, in the order of the policy's outputs."""
@@ -106,13 +107,15 @@ class AgentConfig:
         if (version := data.pop("version", None)) != VERSION:
             raise AgentError(f"{path} has version {version}; this software reads version {VERSION}: update it")
         data = current_names(data, AGENT)
+        if data.get("recogniser") == "none":
+            data["recogniser"] = None  # as version 0.1 wrote it
         names = {entry.name for entry in fields(cls)}
         optional = {e.name for e in fields(cls) if e.default is not MISSING or e.default_factory is not MISSING}
         if missing := names - optional - data.keys():
             raise AgentError(f"{path} lacks {', '.join(sorted(missing))}; train or copy the agent again")
         try:
             data["targets"] = [KnownTarget(**current_names(target, AGENT)) for target in data["targets"]]
-            data["training"] = current_names(data.get("training", {}), AGENT)
+            data["training"] = TrainingRecord.from_json(data.get("training", {}))
             config = cls(**{name: data[name] for name in names & data.keys()})
             for branch in config.branches:
                 config.actions(branch)

@@ -16,7 +16,7 @@ from active_perceiver.agent.exploration import Explorer, ViewMap, map_file
 from active_perceiver.agent.found_criterion import FoundCriterion
 from active_perceiver.agent.search_policy import TargetPolicy
 from active_perceiver.agent.target_matching import TargetGallery
-from active_perceiver.goals import GOAL_DETECTORS
+from active_perceiver.goals import GOALS
 from active_perceiver.goals.goal import GoalDetector
 from active_perceiver.goals.object_goal import ObjectDetector
 from active_perceiver.policies.policy import Policy
@@ -54,14 +54,14 @@ class ActivePerceiver:
         explore: bool = True,
     ) -> None:
         """Load the networks of an agent folder; `from_pretrained` is the usual way in."""
-        if confirm and config.task == "view":
+        if confirm and not GOALS[config.task].has_boxes:
             raise AgentError(f"{folder} searches for views: no other view can confirm one; leave out confirm")
         self.folder = folder
         self.config = config
         self.confirm = confirm
         self.explore = explore
         self.backbone = backbone
-        self.goal_detector: GoalDetector = GOAL_DETECTORS[config.task](folder, config, backbone, threads)
+        self.goal_detector: GoalDetector = GOALS[config.task].detector(folder, config, backbone, threads)
         # It runs on one thread whatever is allowed: one observation is too little work to share.
         self.policy = Policy(folder / "policy.onnx")
         self._rooms: dict[str, ViewMap] = {}
@@ -91,7 +91,7 @@ class ActivePerceiver:
         folder = Path(folder)
         check_files(folder)
         config = AgentConfig.load(folder)
-        for name in (*GOAL_DETECTORS[config.task].files, "policy.onnx"):
+        for name in (*GOALS[config.task].detector.files, "policy.onnx"):
             if not (folder / name).is_file():
                 raise AgentError(f"{folder} lacks {name}; train the agent again, or copy the whole folder")
         backbone = load_backbone(config.backbone, folder, config.image_size, threads)

@@ -22,7 +22,8 @@ from active_perceiver.reports.search_report import verdict, write_search
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.training.config import TrainConfig
-from active_perceiver.training.train import measure_recogniser, train_agent
+from active_perceiver.training.recogniser_stage import measure_recogniser
+from active_perceiver.training.train import train
 from active_perceiver.utils.files import OutputExistsError, replacing
 from active_perceiver.utils.result import write_result
 
@@ -52,7 +53,7 @@ def run_demo(
     _check_same_settings(out, settings, resume)
     agent_done = _finished(out / "agent" / "result.json", resume)
     pooled_done = _finished(out / "pooled_recogniser.json", resume)
-    trained = agent_done or train_agent(settings, out / "agent", force=force, resume=resume)
+    trained = agent_done or train(settings, out / "agent", force=force, resume=resume).to_json()
     pooled = pooled_done or _pooled_figures(settings, out)
     agent = ActivePerceiver.from_pretrained(out / "agent")
     scene = open_scene(settings.scenes[0])
@@ -90,7 +91,7 @@ def _finished(path: Path, resume: bool) -> dict[str, Any] | None:
 
 def _pooled_figures(settings: TrainConfig, out: Path) -> dict[str, Any]:
     """The figures of the paper's recogniser on the same split, kept for a demo that is interrupted later."""
-    figures = measure_recogniser(replace(settings, recogniser="pooled"))
+    figures = measure_recogniser(replace(settings, recogniser="pooled")).to_json()
     with replacing(out / "pooled_recogniser.json") as temporary:
         temporary.write_text(json.dumps(figures))
     return figures

@@ -25,9 +25,19 @@ class Evaluate:
     """Replace an existing file."""
 
     def run(self) -> int:
-        from active_perceiver.evaluation.evaluate import evaluate_command
+        from active_perceiver.agent.perceiver import ActivePerceiver
+        from active_perceiver.evaluation.evaluate import evaluate, format_measures
+        from active_perceiver.utils.files import check_output
+        from active_perceiver.utils.result import write_result
 
-        evaluate_command(self.agent, self.settings, self.out, force=self.force)
+        if self.out is not None:
+            check_output(self.out, self.force)
+        config = self.settings
+        agent = ActivePerceiver.from_pretrained(self.agent, confirm=config.confirm, explore=config.explore)
+        body = evaluate(agent, config).to_json()
+        print(format_measures(body))
+        if self.out is not None:
+            write_result(self.out, "evaluate", body)
         return 0
 
 

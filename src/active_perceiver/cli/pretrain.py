@@ -29,7 +29,8 @@ class Pretrain:
     def run(self) -> int:
         from active_perceiver.training.pretrain import pretrain
 
-        pretrain(self.scenes, self.out, steps=self.steps, seed=self.seed, force=self.force)
+        seconds = pretrain(self.scenes, self.out, steps=self.steps, seed=self.seed, force=self.force)
+        print(f"weights: {self.out} ({seconds:.0f} s)")
         return 0
 
 

@@ -26,9 +26,10 @@ class Train:
 
     def run(self) -> int:
         from active_perceiver.evaluation.evaluate import format_measures
-        from active_perceiver.training.train import train_agent
+        from active_perceiver.training.train import train
 
-        print(format_measures(train_agent(self.settings, self.out, force=self.force, resume=self.resume)))
+        result = train(self.settings, self.out, force=self.force, resume=self.resume)
+        print(format_measures(result.to_json()))
         print(f"agent: {self.out}   measured: {self.out / 'result.json'}")
         return 0
 

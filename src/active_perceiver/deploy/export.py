@@ -17,6 +17,7 @@ from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.target_matching import PICTURES_FILE
 from active_perceiver.deploy.quantize import quantise_backbone
 from active_perceiver.errors import UserError
+from active_perceiver.goals import GOALS
 from active_perceiver.scenes import open_scene, read_image
 from active_perceiver.utils.files import OutputExistsError, check_output, replacing_folder
 from active_perceiver.utils.progress import console
@@ -123,7 +124,7 @@ def export_agent(
         else:
             shutil.copyfile(loaded.backbone.path, folder / FILE_NAME)
         exported = ActivePerceiver.from_pretrained(folder)
-        if exported.config.task == "object":
+        if GOALS[exported.config.task].has_boxes:
             # They depend on the backbone: what was computed with another one does not fit.
             exported.gallery.save_pictures()
         (folder / "README.md").write_text(_readme(exported, out.name, int8), encoding="utf-8")
@@ -163,7 +164,7 @@ def _readme(agent: ActivePerceiver, name: str, int8: bool) -> str:
     return README.format(
         name=name,
         scenes=", ".join(config.branches),
-        targets=("the views " if config.task == "view" else "")
+        targets=("" if GOALS[config.task].has_boxes else "the views ")
         + ", ".join(dict.fromkeys(target.name for target in config.targets)),
         version=__version__,
         numbers=", its backbone with 8-bit numbers" if int8 else "",

@@ -7,7 +7,8 @@ No ground truth is used until the search has ended; then it says whether "found"
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +53,27 @@ class StopEvaluation:
     at_goal: float
     mean_steps: float
     shortest_mean: float
+
+
+@dataclass(frozen=True)
+class StopResults:
+    """Those of several targets.
+
+    Attributes:
+        per_target: one for each target.
+    """
+
+    per_target: tuple[StopEvaluation, ...]
+
+    @property
+    def overall(self) -> dict[str, float]:
+        """Means over targets."""
+        names = ("true_found", "false_found", "not_found", "at_goal", "mean_steps", "shortest_mean")
+        return {name: float(np.mean([getattr(result, name) for result in self.per_target])) for name in names}
+
+    def to_json(self) -> dict[str, Any]:
+        """The parts `overall` and `per_target` of a result file."""
+        return {"overall": self.overall, "per_target": [asdict(result) for result in self.per_target]}
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,9 +183,3 @@ def search_once(
         robot_moved = state != before
         states.append(state)
         actions.append(decision.action)
-
-
-def overall(results: Sequence[StopEvaluation]) -> dict[str, float]:
-    """Means over targets."""
-    names = ("true_found", "false_found", "not_found", "at_goal", "mean_steps", "shortest_mean")
-    return {name: float(np.mean([getattr(result, name) for result in results])) for name in names}

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +24,7 @@ from active_perceiver.policies.policy import policy_table
 Asked = Sequence[tuple[DetectionTable, list[int]]]
 
 
-def evaluate_stops(agent: ActivePerceiver, asked: Asked, settings: EvaluateConfig) -> dict[str, Any]:
+def evaluate_stops(agent: ActivePerceiver, asked: Asked, settings: EvaluateConfig) -> stop_evaluation.StopResults:
     """Searches that the agent ends itself, from random starts.
 
     Args:
@@ -34,15 +32,11 @@ def evaluate_stops(agent: ActivePerceiver, asked: Asked, settings: EvaluateConfi
         asked: what it sees in its scenes with the pictures it is asked with, see `with_query_pictures`, and which of
             these.
         settings: how.
-
-    Returns:
-        "overall": means, see `stop_evaluation.overall`; "per_target": for each target the fields of a
-            `StopEvaluation`.
     """
     rng = np.random.default_rng(settings.seed)
     tables = [one for seen, pictures in asked for one in scene_tables(agent, seen, pictures, settings)]
     results = [stop_evaluation.search_until_found(one, settings.searches, rng) for one in tables]
-    return {"overall": stop_evaluation.overall(results), "per_target": [asdict(result) for result in results]}
+    return stop_evaluation.StopResults(tuple(results))
 
 
 def scene_tables(
@@ -50,7 +44,7 @@ def scene_tables(
 ) -> list[stop_evaluation.SearchTables]:
     """One for each target."""
     threshold = agent.config.score_threshold
-    task = SearchTask.from_scene(seen.scene, seen.names, int(agent.config.training["rank"]))
+    task = SearchTask.from_scene(seen.scene, seen.names, agent.config.training.rank)
     observations = seen.observations(threshold, pictures)
     probabilities = np.stack(
         [policy_table(agent.policy, observations, seen.scene.name, k) for k in range(len(pictures))], axis=2

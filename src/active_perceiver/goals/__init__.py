@@ -1,12 +1,13 @@
 """What an agent looks for: the object in a picture, or the place from where a picture was taken."""
 
-from active_perceiver.agent.config import SearchKind
-from active_perceiver.goals.goal import GoalDetector, GoalObservation, SearchGoal
-from active_perceiver.goals.object_goal import ObjectDetector, ObjectGoal, observe_goal
-from active_perceiver.goals.view_goal import ViewDetector, ViewGoal
+from active_perceiver.agent.config import GoalName
+from active_perceiver.goals.goal import Goal, GoalDetector, GoalObservation, SearchGoal
+from active_perceiver.goals.object_goal import OBJECT, ObjectDetector, ObjectGoal, observe_goal
+from active_perceiver.goals.view_goal import VIEW, ViewDetector, ViewGoal
 
 __all__ = [
-    "GOAL_DETECTORS",
+    "GOALS",
+    "Goal",
     "GoalDetector",
     "GoalObservation",
     "ObjectDetector",
@@ -17,4 +18,4 @@ __all__ = [
     "observe_goal",
 ]
 
-GOAL_DETECTORS: dict[SearchKind, type[GoalDetector]] = {"object": ObjectDetector, "view": ViewDetector}
+GOALS: dict[GoalName, Goal] = {goal.name: goal for goal in (OBJECT, VIEW)}

@@ -1,4 +1,4 @@
-"""What a goal is to the agent: something to look for in images, and what is seen of it."""
+"""What a goal is: a kind of thing that agents search for, and what each part of the software has to know of it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver.agent.config import AgentConfig
+from active_perceiver.agent.config import AgentConfig, GoalName
 from active_perceiver.agent.found_criterion import FoundCriterion
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.vision.backbone import Backbone
@@ -59,3 +59,45 @@ class GoalDetector(Protocol):
 
     def begin(self, maps: NDArray[np.float32], branch: str) -> SearchGoal:
         """Begin a search in a scene for what a picture with these (1, C, h, w) maps shows."""
+
+
+@dataclass(frozen=True)
+class CardWords:
+    """What the card of an agent says differently for each kind of goal.
+
+    Attributes:
+        tags: of the Hugging Face Hub.
+        searched: what its picture shows.
+        arrived: where it says found.
+        picture: a name for the picture's file.
+        right: when a "found" is true.
+    """
+
+    tags: str
+    searched: str
+    arrived: str
+    picture: str
+    right: str
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A kind of thing that agents search for.
+
+    All that differs between kinds is here, or in a file that is named after the kind:
+    `training/object_pipeline.py` and `view_pipeline.py`, `evaluation/object_measures.py` and `view_measures.py`.
+
+    Attributes:
+        name: as `--task` and an agent's configuration have it.
+        detector: how it is seen, at run time.
+        has_boxes: whether it is an object, which a recogniser draws a box on; then a second view can confirm it, and
+            an agent keeps what its networks make of its targets' pictures.
+        default_reward: what a policy is paid for if nobody says it; None for the learner's own default.
+        words: of the agent's card.
+    """
+
+    name: GoalName
+    detector: type[GoalDetector]
+    has_boxes: bool
+    default_reward: str | None
+    words: CardWords

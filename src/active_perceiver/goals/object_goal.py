@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from active_perceiver.agent.config import AgentConfig
 from active_perceiver.agent.found_criterion import FoundCriterion
 from active_perceiver.agent.target_matching import RECOGNISER_FILE, TargetGallery
-from active_perceiver.goals.goal import GoalObservation
+from active_perceiver.goals.goal import CardWords, Goal, GoalObservation
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.vision.backbone import Backbone, pooled_middle
 
@@ -87,3 +87,19 @@ class ObjectDetector:
             known = self.gallery.pictures(match.target)
             embedding, target = known.embeddings[[match.picture]], known.features[[match.picture]]
         return ObjectGoal(self.recogniser, embedding, target, self._score_threshold, self.gallery.criterion(match))
+
+
+OBJECT = Goal(
+    name="object",
+    detector=ObjectDetector,
+    has_boxes=True,
+    default_reward=None,
+    words=CardWords(
+        tags="active-perception, object-search, visual-navigation",
+        searched="an object",
+        arrived="in front of the object",
+        picture="mug.jpg",
+        right="if its box is on the object (IoU at least 0.5)",
+    ),
+)
+"""The object in a picture, as in the paper."""

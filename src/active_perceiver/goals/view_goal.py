@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.agent.config import AgentConfig
-from active_perceiver.goals.goal import GoalObservation
+from active_perceiver.goals.goal import CardWords, Goal, GoalObservation
 from active_perceiver.utils.linalg import unit_vectors
 from active_perceiver.vision.backbone import Backbone, pooled
 
@@ -46,3 +46,19 @@ class ViewDetector:
     def begin(self, maps: NDArray[np.float32], branch: str) -> ViewGoal:
         """See `GoalDetector.begin`."""
         return ViewGoal(pooled(maps), self._found_similarity)  # pooled as views are, for the picture is one
+
+
+VIEW = Goal(
+    name="view",
+    detector=ViewDetector,
+    has_boxes=False,
+    default_reward="goal",
+    words=CardWords(
+        tags="active-perception, visual-navigation",
+        searched="one of the views it was trained for, which are in `targets`",
+        arrived="where that picture was taken",
+        picture="view.png",
+        right="at the very state whose view it was given",
+    ),
+)
+"""The place from where a picture was taken, as in Zhu et al. (ICRA 2017)."""

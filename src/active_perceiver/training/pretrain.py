@@ -9,16 +9,16 @@ from pathlib import Path
 from active_perceiver.evaluation.agent_scenes import features_of
 from active_perceiver.recognition.export import save_network
 from active_perceiver.recognition.train import CONFIGS
-from active_perceiver.training.common import open_backbone, open_scenes
 from active_perceiver.training.config import TrainConfig
-from active_perceiver.training.train import train_scene_recogniser
+from active_perceiver.training.inputs import open_backbone, open_scenes
+from active_perceiver.training.recogniser_stage import train_scene_recogniser
 from active_perceiver.utils.files import check_output
 
 STEPS = 4000
 VIEWS = 32
 
 
-def pretrain(sources: Sequence[str], out: Path, *, steps: int = STEPS, seed: int = 0, force: bool = False) -> None:
+def pretrain(sources: Sequence[str], out: Path, *, steps: int = STEPS, seed: int = 0, force: bool = False) -> float:
     """Train a matching recogniser on all views of some scenes, and write its weights.
 
     Nothing is held out for judging: how good the weights are shows in other rooms.
@@ -29,6 +29,9 @@ def pretrain(sources: Sequence[str], out: Path, *, steps: int = STEPS, seed: int
         steps: of training.
         seed: everything random follows from it.
         force: replace an existing file.
+
+    Returns:
+        Seconds of training.
 
     Raises:
         OutputExistsError: if the file exists and `force` is false.
@@ -41,4 +44,4 @@ def pretrain(sources: Sequence[str], out: Path, *, steps: int = STEPS, seed: int
     config = replace(CONFIGS["matching"], start="scratch", held_out_places=0.0, steps=steps, views=VIEWS, seed=seed)
     trained = train_scene_recogniser(scenes, features, backbone, config)
     save_network(trained.network, out)
-    print(f"weights: {out} ({trained.seconds:.0f} s)")
+    return trained.seconds

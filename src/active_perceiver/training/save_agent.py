@@ -11,9 +11,11 @@ from active_perceiver.agent.config import AgentConfig, KnownTarget, picture_fold
 from active_perceiver.agent.exploration import ViewMap, map_file
 from active_perceiver.agent.found_criterion import stop_area_threshold
 from active_perceiver.agent.perceiver import ActivePerceiver
+from active_perceiver.agent.training_record import TrainingRecord
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.evaluation.detections import DetectionTable
 from active_perceiver.evaluation.view_selection import ViewSearches
+from active_perceiver.goals.view_goal import VIEW
 from active_perceiver.recognition.recogniser import Recogniser
 from active_perceiver.scenes import bundled_names
 from active_perceiver.scenes.images import image_suffix
@@ -25,7 +27,7 @@ from active_perceiver.vision.cache import SceneFeatures
 
 
 def agent_config(
-    settings: TrainConfig,
+    config: TrainConfig,
     backbone: Backbone,
     detections: Sequence[DetectionTable],
     features: Sequence[SceneFeatures],
@@ -35,7 +37,7 @@ def agent_config(
     """How a trained agent is put together, with what it has to see of each target to say found.
 
     Args:
-        settings: what it was trained with.
+        config: what it was trained with.
         backbone: of the features.
         detections: what its recogniser sees in each scene.
         features: of these scenes.
@@ -44,7 +46,7 @@ def agent_config(
     """
     known = []
     for seen in detections:
-        task = SearchTask.from_scene(seen.scene, seen.names, settings.rank)
+        task = SearchTask.from_scene(seen.scene, seen.names, config.rank)
         for index, name in enumerate(seen.names):
             scores, boxes = (array[:, index, : seen.trained] for array in (seen.scores, seen.boxes))
             goals, areas = task.goals[:, index], task.areas[:, index]
@@ -53,26 +55,26 @@ def agent_config(
     return AgentConfig(
         backbone=backbone.name,
         image_size=backbone.image_size,
-        recogniser=settings.recogniser,
+        recogniser=config.recogniser,
         score_threshold=recogniser.threshold,
         branches={seen.scene.name: [action.value for action in seen.scene.actions] for seen in detections},
         targets=known,
         stop_area_threshold=float(np.median([target.stop_area_threshold for target in known])),
         match_threshold=match_threshold(detections, distractor_embeddings(detections, features, recogniser)),
-        training={
-            "scenes": [_source(source) for source in settings.scenes],
-            "recogniser_scenes": [_source(source) for source in settings.recogniser_scenes or settings.scenes],
-            "rank": settings.rank,
-            "held_out_pictures": {
+        training=TrainingRecord(
+            scenes=tuple(map(_source, config.scenes)),
+            recogniser_scenes=tuple(map(_source, config.recogniser_scenes or config.scenes)),
+            rank=config.rank,
+            held_out_pictures={
                 seen.scene.name: {target.name: target.held_out for target in seen.scene.targets}
                 for seen in detections
             },
-            "held_out_views": held_out_views,
-            "view_augmentation": settings.view_augmentation,
-            "viewpoint_jitter_degrees": settings.viewpoint_jitter_degrees,
-            "learner": settings.learner,
-            "seed": settings.seed,
-        },
+            held_out_views=held_out_views,
+            view_augmentation=config.view_augmentation,
+            viewpoint_jitter_degrees=config.viewpoint_jitter_degrees,
+            learner=config.learner,
+            seed=config.seed,
+        ),
     )
 
 
@@ -101,29 +103,25 @@ def save_maps(detections: Sequence[DetectionTable], work: Path) -> None:
         ViewMap.of(seen.scene, seen.view_features).save(map_file(work, seen.scene.name))
 
 
-def view_agent_config(settings: TrainConfig, backbone: Backbone, searches: Sequence[ViewSearches]) -> AgentConfig:
+def view_agent_config(config: TrainConfig, backbone: Backbone, searches: Sequence[ViewSearches]) -> AgentConfig:
     """How an agent that searches for views is put together.
 
     Args:
-        settings: what it was trained with.
+        config: what it was trained with.
         backbone: of the features.
         searches: what it was trained to search for in each scene.
     """
     return AgentConfig(
         backbone=backbone.name,
         image_size=backbone.image_size,
-        recogniser="none",
+        recogniser=None,
         score_threshold=1.0,
         branches={one.scene.name: [action.value for action in one.scene.actions] for one in searches},
         targets=[KnownTarget(one.scene.name, name) for one in searches for name in one.task.targets],
         stop_area_threshold=1.0,
         match_threshold=1.0,
-        training={
-            "scenes": [_source(source) for source in settings.scenes],
-            "learner": settings.learner,
-            "seed": settings.seed,
-        },
-        task="view",
+        training=TrainingRecord(tuple(map(_source, config.scenes)), config.learner, config.seed),
+        task=VIEW.name,
         found_similarity=max(one.found_similarity() for one in searches),
     )
 

@@ -130,7 +130,7 @@ def _time(
     progress: ProgressCallback = quiet,
 ) -> None:
     """Act in fresh processes, in the environment of a Python and in this one, and add what that took."""
-    scene = open_scene(config.training["scenes"][0])
+    scene = open_scene(config.training.scenes[0])
     scene.require_targets()
     common = {"threads": settings.threads, "repeats": settings.repeats, **write_pictures(scene, settings.frame, work)}
     environments = {"clean": (python, clean_variables()), "here": (Path(sys.executable), dict(os.environ))}

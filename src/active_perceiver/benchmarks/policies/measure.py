@@ -16,8 +16,9 @@ from active_perceiver.benchmarks.policies.report import format_policies, spread_
 from active_perceiver.benchmarks.policies.worker import FINE_RATIO, PolicyTraining, train_and_measure
 from active_perceiver.benchmarks.runner import Benchmark, Body
 from active_perceiver.errors import UserError
-from active_perceiver.evaluation.evaluate import agent_detections, with_query_pictures
+from active_perceiver.evaluation.object_measures import agent_detections, with_query_pictures
 from active_perceiver.figures.policies_spread import policies_spread
+from active_perceiver.goals import GOALS
 from active_perceiver.parallel.executor import Executor
 from active_perceiver.parallel.fresh_process import FreshProcessExecutor
 from active_perceiver.parallel.run_missing import records_of
@@ -26,8 +27,8 @@ from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.learners import learner_named
 from active_perceiver.policies.training_task import TrainingTask
 from active_perceiver.scenes import open_scene
-from active_perceiver.training.common import policy_tasks
 from active_perceiver.training.policy_augmentation import changed_observations
+from active_perceiver.training.policy_stage import policy_tasks
 from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
 
 ONE_SCENE = (1.02, 15.0)
@@ -159,21 +160,24 @@ def open_setups(folders: Sequence[Path], scenes: Sequence[str] = ()) -> list[Pol
 
 def _open_setup(agent: ActivePerceiver, sources: Mapping[str, str]) -> PolicySetup:
     config = agent.config
-    if config.task != "object":
+    if not GOALS[config.task].has_boxes:
         raise UserError(f"{agent.folder} searches for views of its scenes; it has no recogniser to draw boxes")
-    branches = zip(config.branches, config.training["scenes"], strict=True)
-    agent.config = replace(
-        config, training={**config.training, "scenes": [sources.get(name, source) for name, source in branches]}
-    )
-    detections = agent_detections(agent)
-    threshold = config.score_threshold
-    copies, seed = int(config.training.get("view_augmentation", 0)), int(config.training["seed"])
-    degrees = float(config.training.get("viewpoint_jitter_degrees", 0.0))
+    detections = agent_detections(agent, sources)
+    threshold, training = config.score_threshold, config.training
+    shown = (training.view_augmentation, training.viewpoint_jitter_degrees)
     changed = [
-        changed_observations(seen, agent.backbone, agent.recogniser, threshold, copies, degrees, seed)
+        changed_observations(
+            seen,
+            agent.backbone,
+            agent.recogniser,
+            threshold,
+            training.view_augmentation,
+            training.viewpoint_jitter_degrees,
+            training.seed,
+        )
         for seen in detections
     ]
-    training_tasks = policy_tasks(detections, threshold, int(config.training["rank"]), changed)
+    training_tasks = policy_tasks(detections, threshold, training.rank, changed)
     held_out = all(seen.held_out_pictures for seen in detections)
     unseen = [
         TrainingTask(
@@ -182,7 +186,7 @@ def _open_setup(agent: ActivePerceiver, sources: Mapping[str, str]) -> PolicySet
         for training_task, seen in zip(training_tasks, detections, strict=True)
         if held_out
     ]
-    digest = hashlib.sha256((agent.folder / "recogniser.onnx").read_bytes() + repr((copies, degrees)).encode())
+    digest = hashlib.sha256((agent.folder / "recogniser.onnx").read_bytes() + repr(shown).encode())
     for seen in detections:
         digest.update(seen.scene.content_hash.encode())
     return PolicySetup(agent.folder, tuple(training_tasks), tuple(unseen), digest.hexdigest()[:16])

@@ -23,8 +23,8 @@ from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.recognition.pretrained import pretrained_path
 from active_perceiver.recognition.train import CONFIGS, RecogniserConfig, train_recogniser
 from active_perceiver.scenes import Scene
-from active_perceiver.training.common import open_backbone, open_scenes
 from active_perceiver.training.config import TrainConfig
+from active_perceiver.training.inputs import open_backbone, open_scenes
 from active_perceiver.utils.progress import ProgressCallback, console, progress_bar, quiet
 from active_perceiver.vision.backbone import Backbone
 from active_perceiver.vision.cache import SceneFeatures

@@ -19,6 +19,7 @@ from active_perceiver.benchmarks.runner import Benchmark, Body, share_bars
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.stop_evaluation import TRUE_IOU
 from active_perceiver.figures.robustness import robustness_figure
+from active_perceiver.goals import GOALS
 from active_perceiver.parallel.executor import SerialExecutor
 from active_perceiver.parallel.process_pool import ProcessExecutor
 from active_perceiver.parallel.run_missing import records_of
@@ -108,7 +109,7 @@ def _rows(agents: Sequence[Path], settings: RobotBenchmarkConfig) -> Iterator[Ro
     scene = scene_of(settings.room)
     for agent in agents:
         config = ActivePerceiver.from_pretrained(agent, 1).config
-        if config.task != "object":
+        if not GOALS[config.task].has_boxes:
             raise UserError(f"{agent} searches for views; this benchmark is of searches for objects: give another")
         if scene not in (known := config.branches):
             raise UserError(f"{agent} was not trained in {scene}, but in {', '.join(known)}; give the room of one")
@@ -134,7 +135,7 @@ def trained_on(agent: Path) -> str:
 
 def _training(agent: Path) -> dict[str, float]:
     training = ActivePerceiver.from_pretrained(agent, 1).config.training
-    return {name: float(training.get(name, 0)) for name in ("view_augmentation", "viewpoint_jitter_degrees")}
+    return {name: float(getattr(training, name)) for name in ("view_augmentation", "viewpoint_jitter_degrees")}
 
 
 def _fingerprint(agent: Path) -> str:

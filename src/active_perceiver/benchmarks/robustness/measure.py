@@ -18,18 +18,20 @@ from active_perceiver.benchmarks.config import RobustnessConfig
 from active_perceiver.benchmarks.robustness.perturbations import CLEAN, CONDITIONS, Condition
 from active_perceiver.benchmarks.robustness.perturbed_detections import (
     Queries,
-    judged_in_new_places,
     look_around,
+    views_of_new_places,
     with_detections_changed,
 )
 from active_perceiver.benchmarks.robustness.report import format_robustness
 from active_perceiver.benchmarks.runner import Benchmark, Body, share_bars
 from active_perceiver.errors import UserError
+from active_perceiver.evaluation.agent_evaluation import SEEN
 from active_perceiver.evaluation.agent_scenes import agent_scenes
 from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.evaluation.detections import DetectionTable
-from active_perceiver.evaluation.evaluate import evaluate_stops, measure_agent, with_query_pictures
-from active_perceiver.evaluation.stop_evaluation import LIMIT, TRUE_IOU
+from active_perceiver.evaluation.object_measures import measure_agent, with_query_pictures
+from active_perceiver.evaluation.stop_evaluation import LIMIT, TRUE_IOU, StopResults
+from active_perceiver.evaluation.stop_tables import evaluate_stops
 from active_perceiver.figures.robustness import robustness_figure
 from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.scenes import Scene, open_scene
@@ -233,27 +235,27 @@ def _measure(
     """The figures of one condition, see `measure_robustness`."""
     how = EvaluateConfig(limit=settings.limit, searches=settings.searches, seed=settings.seed)
     with console.status("measuring"):
-        measured = measure_agent(judged_in_new_places(agent, asked, seen), seen, how)
+        measured = measure_agent(agent, seen, how, views_of_new_places(agent, asked, seen))
         groups = [(with_query_pictures(agent, one), one.trained_pictures) for one in seen]
         confirmed = evaluate_stops(agent, groups, replace(how, confirm=True))
         policy_only = evaluate_stops(agent, groups, replace(how, explore=False))
-    word, detection = measured["stop_evaluation"]["pictures_seen"], measured["detection"]["pictures_seen"]
+    stops, detection, policy = measured.stops[SEEN], measured.detection[SEEN].as_dict(), measured.policy.as_dict()
     return {
-        **{key: measured["overall"][key] for key in ("success", "ratio", "mean_steps", "shortest_mean")},
-        **_stop_rates(word),
+        **{key: policy["overall"][key] for key in ("success", "ratio", "mean_steps", "shortest_mean")},
+        **_stop_rates(stops),
         "confirmed": _stop_rates(confirmed),
         "policy_only": _stop_rates(policy_only),
         **{key: detection[key] for key in ("auroc", "ap50", "recall", "false_positive_rate")},
-        "per_target": measured["per_target"],
-        "per_target_stop_evaluation": word["per_target"],
+        "per_target": policy["per_target"],
+        "per_target_stop_evaluation": stops.to_json()["per_target"],
         "views": [len(one.scene) for one in seen],
     }
 
 
-def _stop_rates(word: dict[str, Any]) -> dict[str, float | None]:
+def _stop_rates(stops: StopResults) -> dict[str, float | None]:
     return {
-        **{key: word["overall"][key] for key in ("true_found", "false_found", "not_found")},
-        "found_steps": _mean([result["mean_steps"] for result in word["per_target"]]),
+        **{key: stops.overall[key] for key in ("true_found", "false_found", "not_found")},
+        "found_steps": _mean([result.mean_steps for result in stops.per_target]),
     }
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -103,21 +102,19 @@ def with_detections_changed(
     return replace(seen, scores=scores, boxes=boxes)
 
 
-def judged_in_new_places(
+def views_of_new_places(
     agent: ActivePerceiver, asked: Sequence[Queries], seen: Sequence[DetectionTable]
-) -> ActivePerceiver:
-    """The agent with notes on which of the views shown it was not trained in, for `measure_agent`.
+) -> dict[str, list[int]]:
+    """Which of the views shown are from places that the agent's recogniser was not trained in, for each scene.
 
-    Its own notes number the views of the scene it was trained in; where something stands elsewhere there may be other
-    places.
+    The agent's own record numbers the views of the scene it was trained in; where something stands elsewhere there
+    may be other places.
     """
-    notes = {}
+    held_out_views = {}
     for one, shown in zip(asked, seen, strict=True):
-        held_out = agent.config.training["held_out_views"][one.scene.name]
+        held_out = agent.config.training.held_out_views[one.scene.name]
         trained = np.delete(one.scene.poses[:, :2], held_out, axis=0)
         known = {tuple(place) for place in np.round(trained, 2).tolist()}
         places = np.round(shown.scene.poses[:, :2], 2).tolist()
-        notes[one.scene.name] = [view for view, place in enumerate(places) if tuple(place) not in known]
-    judged = copy.copy(agent)
-    judged.config = replace(agent.config, training={**agent.config.training, "held_out_views": notes})
-    return judged
+        held_out_views[one.scene.name] = [view for view, place in enumerate(places) if tuple(place) not in known]
+    return held_out_views

@@ -21,7 +21,7 @@ from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.agent_scenes import features_of
 from active_perceiver.evaluation.detections import even_pictures
-from active_perceiver.evaluation.evaluate import agent_detections
+from active_perceiver.evaluation.object_measures import agent_detections
 from active_perceiver.figures.time_to_quality import time_to_quality
 from active_perceiver.parallel.executor import Executor
 from active_perceiver.parallel.fresh_process import FreshProcessExecutor

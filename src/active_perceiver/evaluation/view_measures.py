@@ -1,11 +1,10 @@
-"""How good an agent is that searches for views: the policy's figures, and those by its own word."""
+"""How good an agent is that searches for views: its policy, and the searches that it ends itself."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,35 +15,33 @@ from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.envs.view_task import viewed_state
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation import stop_evaluation
+from active_perceiver.evaluation.agent_evaluation import SEEN, AgentEvaluation
 from active_perceiver.evaluation.agent_scenes import agent_scenes, features_of
 from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.evaluation.policy_metrics import evaluate_tables
 from active_perceiver.evaluation.view_selection import ViewSearches
 from active_perceiver.goals.goal import GoalObservation
 from active_perceiver.policies.policy import policy_table
+from active_perceiver.utils.progress import console
 
 
 def measure_view_agent(
-    agent: ActivePerceiver, searches: Sequence[ViewSearches], settings: EvaluateConfig
-) -> dict[str, Any]:
+    agent: ActivePerceiver, searches: Sequence[ViewSearches], config: EvaluateConfig
+) -> AgentEvaluation:
     """Measure an agent in the scenes it was trained in.
 
-    By its own word a search is right if it ends at the very state whose view it was given; a view that only looks the
-    same is a false one.
+    A search that the agent ends is right if it ends at the very state whose view it was given; a view that only looks
+    the same is a false one.
 
     Args:
         agent: what to measure.
         searches: one for each of its branches.
-        settings: how.
-
-    Returns:
-        The body of a result file: protocol, overall, per_target, stop_evaluation.
+        config: how.
     """
     tables = [policy_table(agent.policy, one.observations, one.scene.name) for one in searches]
     asked = [(one.task, [table]) for one, table in zip(searches, tables, strict=True)]
-    body = evaluate_tables(asked, settings).as_dict()
-    body["protocol"]["pictures"] = "the views themselves"
-    rng = np.random.default_rng(settings.seed)
+    policy = evaluate_tables(asked, config)
+    rng = np.random.default_rng(config.seed)
     results = []
     for one, table in zip(searches, tables, strict=True):
         task, views = one.task, ViewFeatures.of_scene(one.view_features)
@@ -61,19 +58,16 @@ def measure_view_agent(
                 transitions=task.transitions,
                 steps=task.steps[:, index],
             )
-            results.append(stop_evaluation.search_until_found(searched, settings.searches, rng))
-    body["stop_evaluation"] = {
-        "protocol": {
-            "searches": settings.searches,
+            results.append(stop_evaluation.search_until_found(searched, config.searches, rng))
+    return AgentEvaluation(
+        policy=replace(policy, protocol={**policy.protocol, "pictures": "the views themselves"}),
+        stop_protocol={
+            "searches": config.searches,
             "limit": stop_evaluation.LIMIT,
             "found_similarity": agent.config.found_similarity,
         },
-        "pictures_seen": {
-            "overall": stop_evaluation.overall(results),
-            "per_target": [asdict(result) for result in results],
-        },
-    }
-    return body
+        stops={SEEN: stop_evaluation.StopResults(tuple(results))},
+    )
 
 
 def _goal_observation(found: NDArray[np.bool_], state: int, picture: int) -> GoalObservation:
@@ -98,3 +92,10 @@ def agent_view_searches(agent: ActivePerceiver) -> list[ViewSearches]:
                 )
         searches.append(ViewSearches(scene, states, features_of(scene, agent.backbone).view_features))
     return searches
+
+
+def measure_views(agent: ActivePerceiver, config: EvaluateConfig) -> AgentEvaluation:
+    """Open the scenes that an agent was trained in, and measure it there; see `measure_view_agent`."""
+    searches = agent_view_searches(agent)
+    with console.status("measuring"):
+        return measure_view_agent(agent, searches, config)
