@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from active_perceiver.agent.controller import EXPLORATION_BUDGET, REVISIT_LIMIT, SearchController
 from active_perceiver.agent.exploration import Explorer, ViewMap
+from active_perceiver.agent.goals.goal import GoalObservation
 from active_perceiver.agent.search_policy import Observation
 from active_perceiver.agent.visit_memory import ViewFeatures
-from active_perceiver.goals.goal import GoalObservation
 from active_perceiver.recognition.recogniser import Detection
 
 NOTHING = GoalObservation(None, found=False, nearly=False)

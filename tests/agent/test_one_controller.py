@@ -16,10 +16,10 @@ import pytest
 from active_perceiver.agent.config import AgentConfig
 from active_perceiver.agent.exploration import Explorer, ViewMap
 from active_perceiver.agent.found_criterion import FoundCriterion
+from active_perceiver.agent.goals import ObjectGoal, observe_goal
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.evaluation import stop_evaluation
-from active_perceiver.goals import ObjectGoal, observe_goal
 from active_perceiver.live import SearchConfig, search
 from active_perceiver.robots import RecordedRobot
 from active_perceiver.scenes import Scene

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from active_perceiver.agent.goals.goal import GoalObservation
 from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.evaluation import stop_evaluation
-from active_perceiver.goals.goal import GoalObservation
 from active_perceiver.scenes.lattice import goal_states, steps_to_goal
 
 

@@ -15,7 +15,7 @@ from unittest import mock
 
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.scenes import save_scene
-from active_perceiver.training import common
+from active_perceiver.training import policy_stage
 from active_perceiver.training.config import TrainConfig
 from active_perceiver.training.train import train
 from helpers.toy import toy_scene
@@ -36,7 +36,7 @@ def train_config(scene_file: Path) -> TrainConfig:
 
 def make(folder: Path = FOLDER) -> None:
     """Train the agent, and put it in the place of the one that is there."""
-    configured = common.learner_config
+    configured = policy_stage.learner_config
 
     def narrow(settings: TrainConfig) -> LearnerConfig:
         return replace(configured(settings), hidden=HIDDEN)
@@ -44,7 +44,7 @@ def make(folder: Path = FOLDER) -> None:
     with tempfile.TemporaryDirectory() as name:
         scene_file, made = Path(name) / "toy_0.h5", Path(name) / "agent"
         save_scene(toy_scene(), scene_file)
-        with mock.patch.object(common, "learner_config", narrow):
+        with mock.patch.object(policy_stage, "learner_config", narrow):
             train(train_config(scene_file), made)
         for left_out in LEFT_OUT:
             (made / left_out).unlink()

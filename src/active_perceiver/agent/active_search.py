@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from active_perceiver.agent.controller import SearchController
 from active_perceiver.agent.exploration import ViewMap
+from active_perceiver.agent.goals.goal import SearchGoal
 from active_perceiver.agent.search_policy import Observation
 from active_perceiver.agent.visit_memory import ViewFeatures
-from active_perceiver.goals.goal import SearchGoal
 from active_perceiver.recognition.recogniser import Detection
 from active_perceiver.scenes import Action, decode_image
 from active_perceiver.utils.sections import section

@@ -14,11 +14,11 @@ from active_perceiver.agent.config import AgentConfig, AgentError
 from active_perceiver.agent.controller import SearchController
 from active_perceiver.agent.exploration import Explorer, ViewMap, map_file
 from active_perceiver.agent.found_criterion import FoundCriterion
+from active_perceiver.agent.goals import GOALS
+from active_perceiver.agent.goals.goal import GoalDetector
+from active_perceiver.agent.goals.object_goal import ObjectDetector
 from active_perceiver.agent.search_policy import TargetPolicy
 from active_perceiver.agent.target_matching import TargetGallery
-from active_perceiver.goals import GOALS
-from active_perceiver.goals.goal import GoalDetector
-from active_perceiver.goals.object_goal import ObjectDetector
 from active_perceiver.policies.policy import Policy
 from active_perceiver.recognition.recogniser import Recogniser
 from active_perceiver.scenes import Action, read_image

@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from active_perceiver.agent.goals.goal import GoalObservation
 from active_perceiver.agent.visit_memory import ViewFeatures
-from active_perceiver.goals.goal import GoalObservation
 from active_perceiver.policies.policy import ActionPolicy
 from active_perceiver.utils.sections import section
 from active_perceiver.vision.location import location_mask

@@ -13,11 +13,11 @@ from active_perceiver import __version__
 from active_perceiver.agent.checksums import write_checksums
 from active_perceiver.agent.config import AgentError, picture_folder
 from active_perceiver.agent.exploration import map_file
+from active_perceiver.agent.goals import GOALS
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.target_matching import PICTURES_FILE
 from active_perceiver.deploy.quantize import quantise_backbone
 from active_perceiver.errors import UserError
-from active_perceiver.goals import GOALS
 from active_perceiver.scenes import open_scene, read_image
 from active_perceiver.utils.files import OutputExistsError, check_output, replacing_folder
 from active_perceiver.utils.progress import console

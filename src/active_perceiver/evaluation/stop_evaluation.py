@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from active_perceiver.agent.controller import SearchController
 from active_perceiver.agent.exploration import Explorer
+from active_perceiver.agent.goals.goal import GoalObservation
 from active_perceiver.agent.search_policy import Observation
 from active_perceiver.agent.visit_memory import ViewFeatures
-from active_perceiver.goals.goal import GoalObservation
 from active_perceiver.recognition.metrics import box_iou
 
 LIMIT = 500

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from active_perceiver.agent.exploration import Explorer, ViewMap
 from active_perceiver.agent.found_criterion import FoundCriterion
+from active_perceiver.agent.goals.goal import GoalObservation
+from active_perceiver.agent.goals.object_goal import observe_goal
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.evaluation import stop_evaluation
 from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.evaluation.detections import DetectionTable
-from active_perceiver.goals.goal import GoalObservation
-from active_perceiver.goals.object_goal import observe_goal
 from active_perceiver.policies.policy import policy_table
 
 # In which scenes, and with which of the pictures there, an agent is asked to search.

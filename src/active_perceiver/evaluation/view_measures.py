@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.agent.config import picture_folder
+from active_perceiver.agent.goals.goal import GoalObservation
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.visit_memory import ViewFeatures
 from active_perceiver.envs.view_task import viewed_state
@@ -20,7 +21,6 @@ from active_perceiver.evaluation.agent_scenes import agent_scenes, features_of
 from active_perceiver.evaluation.config import EvaluateConfig
 from active_perceiver.evaluation.policy_metrics import evaluate_tables
 from active_perceiver.evaluation.view_selection import ViewSearches
-from active_perceiver.goals.goal import GoalObservation
 from active_perceiver.policies.policy import policy_table
 from active_perceiver.utils.progress import console
 

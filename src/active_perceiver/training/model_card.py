@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from active_perceiver.agent.config import AgentConfig
+from active_perceiver.agent.goals import GOALS
 from active_perceiver.evaluation.agent_evaluation import SEEN
-from active_perceiver.goals import GOALS
 from active_perceiver.training.training_result import RecogniserFigures, TrainingResult
 from active_perceiver.utils.files import replacing
 from active_perceiver.utils.result import format_number

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+from active_perceiver.agent.goals import GOALS
 from active_perceiver.envs.observations import Observations
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.detections import DetectionTable
-from active_perceiver.goals import GOALS
 from active_perceiver.policies.config import LearnerConfig
 from active_perceiver.policies.learners import LEARNERS, learner_named
 from active_perceiver.policies.training_task import TrainingTask

@@ -10,12 +10,12 @@ import numpy as np
 from active_perceiver.agent.config import AgentConfig, KnownTarget, picture_folder
 from active_perceiver.agent.exploration import ViewMap, map_file
 from active_perceiver.agent.found_criterion import stop_area_threshold
+from active_perceiver.agent.goals.view_goal import VIEW
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.agent.training_record import TrainingRecord
 from active_perceiver.envs.task import SearchTask
 from active_perceiver.evaluation.detections import DetectionTable
 from active_perceiver.evaluation.view_selection import ViewSearches
-from active_perceiver.goals.view_goal import VIEW
 from active_perceiver.recognition.recogniser import Recogniser
 from active_perceiver.scenes import bundled_names
 from active_perceiver.scenes.images import image_suffix

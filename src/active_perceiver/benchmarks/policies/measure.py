@@ -10,6 +10,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from active_perceiver.agent.goals import GOALS
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import PolicyBenchmarkConfig
 from active_perceiver.benchmarks.policies.report import format_policies, spread_rows, summary
@@ -18,7 +19,6 @@ from active_perceiver.benchmarks.runner import Benchmark, Body
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.object_measures import agent_detections, with_query_pictures
 from active_perceiver.figures.policies_spread import policies_spread
-from active_perceiver.goals import GOALS
 from active_perceiver.parallel.executor import Executor
 from active_perceiver.parallel.fresh_process import FreshProcessExecutor
 from active_perceiver.parallel.run_missing import records_of

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from active_perceiver.agent.goals import GOALS
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import RobotBenchmarkConfig
 from active_perceiver.benchmarks.robot.report import format_robot
@@ -19,7 +20,6 @@ from active_perceiver.benchmarks.runner import Benchmark, Body, share_bars
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.stop_evaluation import TRUE_IOU
 from active_perceiver.figures.robustness import robustness_figure
-from active_perceiver.goals import GOALS
 from active_perceiver.parallel.executor import SerialExecutor
 from active_perceiver.parallel.process_pool import ProcessExecutor
 from active_perceiver.parallel.run_missing import records_of

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from active_perceiver.agent.config import AgentConfig
 from active_perceiver.agent.found_criterion import FoundCriterion
+from active_perceiver.agent.goals.goal import CardWords, Goal, GoalObservation
 from active_perceiver.agent.target_matching import RECOGNISER_FILE, TargetGallery
-from active_perceiver.goals.goal import CardWords, Goal, GoalObservation
 from active_perceiver.recognition.recogniser import Detection, Recogniser
 from active_perceiver.vision.backbone import Backbone, pooled_middle
 

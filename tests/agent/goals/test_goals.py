@@ -5,8 +5,8 @@ from typing import get_args, get_type_hints
 import pytest
 
 from active_perceiver.agent.config import AgentConfig, AgentError, GoalName
+from active_perceiver.agent.goals import GOALS
 from active_perceiver.evaluation.evaluate import MEASURES
-from active_perceiver.goals import GOALS
 from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.training.config import TrainConfig
 from active_perceiver.training.policy_stage import learner_config

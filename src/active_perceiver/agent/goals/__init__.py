@@ -1,9 +1,9 @@
 """What an agent looks for: the object in a picture, or the place from where a picture was taken."""
 
 from active_perceiver.agent.config import GoalName
-from active_perceiver.goals.goal import Goal, GoalDetector, GoalObservation, SearchGoal
-from active_perceiver.goals.object_goal import OBJECT, ObjectDetector, ObjectGoal, observe_goal
-from active_perceiver.goals.view_goal import VIEW, ViewDetector, ViewGoal
+from active_perceiver.agent.goals.goal import Goal, GoalDetector, GoalObservation, SearchGoal
+from active_perceiver.agent.goals.object_goal import OBJECT, ObjectDetector, ObjectGoal, observe_goal
+from active_perceiver.agent.goals.view_goal import VIEW, ViewDetector, ViewGoal
 
 __all__ = [
     "GOALS",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.agent.config import AgentConfig
-from active_perceiver.goals.goal import CardWords, Goal, GoalObservation
+from active_perceiver.agent.goals.goal import CardWords, Goal, GoalObservation
 from active_perceiver.utils.linalg import unit_vectors
 from active_perceiver.vision.backbone import Backbone, pooled
 
