@@ -109,6 +109,7 @@ class CaptureRoom:
     """Go on where the work was interrupted."""
 
     def run(self) -> int:
+        from active_perceiver.capture.rendered.config import layout_config
         from active_perceiver.capture.rendered.photographs import PhotographConfig, take_photographs
         from active_perceiver.parallel.process_pool import ProcessExecutor
 
@@ -117,8 +118,8 @@ class CaptureRoom:
             error_degrees=self.error_degrees, noise=self.noise, targets=self.targets,
         )  # fmt: skip
         count = take_photographs(
-            self.layout, self.seed, self.out, photographer, places=self.places, force=self.force, resume=self.resume,
-            executor=ProcessExecutor(self.workers),
+            self.layout, self.seed, self.out, photographer, force=self.force, resume=self.resume,
+            executor=ProcessExecutor(self.workers), settings=layout_config(self.layout, places=self.places),
         )  # fmt: skip
         print(f"folder: {self.out}, {count} photographs\nto a scene: see docs/your-own-room.md")
         return 0

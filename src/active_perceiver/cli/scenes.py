@@ -5,9 +5,9 @@ As in `cli/main.py`, a command is a dataclass whose fields are its arguments, th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from tyro.conf import Positional, subcommand
 
@@ -99,17 +99,13 @@ class ScenesRender:
     """Go on where a rendering was interrupted; with --count also leave files that are done as they are."""
 
     def run(self) -> int:
-        from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig
+        from active_perceiver.capture.rendered.config import layout_config
         from active_perceiver.capture.rendered.render import RoomChange, default_name, render_scene, render_scenes
         from active_perceiver.parallel.process_pool import ProcessExecutor
 
         if self.count is not None and self.count < 1:
             raise UserError(f"--count must be at least 1, got {self.count}")
-        given: dict[str, Any] = {"image_size": self.image_size, "spacing": self.spacing, "places": self.places}
-        settings = replace(
-            DEFAULT_CONFIGS.get(self.layout, CaptureConfig()),
-            **{name: value for name, value in given.items() if value is not None},
-        )
+        settings = layout_config(self.layout, image_size=self.image_size, spacing=self.spacing, places=self.places)
         executor, change = ProcessExecutor(self.workers), RoomChange(self.hour, self.moved)
         if self.count is None:
             path = self.out or Path(default_name(self.layout, self.seed, change))

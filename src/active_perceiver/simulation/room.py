@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.capture.rendered.capture_scene import look
-from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig
+from active_perceiver.capture.rendered.config import CaptureConfig, layout_config
 from active_perceiver.capture.rendered.render import origin_of
 from active_perceiver.scenes import bundled_names, open_scene
 from active_perceiver.utils.progress import ProgressBar, progress_bar
@@ -101,7 +101,7 @@ def open_room(
         PerturbError: if things cannot be nudged so far.
     """
     layout, seed_of_room, hour, moved = _named(name)
-    settings = replace(DEFAULT_CONFIGS.get(layout, CaptureConfig()), faults=faults)
+    settings = replace(layout_config(layout), faults=faults)
     with progress(f"light of {name}") as report:
         room = make_room(layout, seed_of_room, hour=hour, moved=moved)
         if nudge:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
@@ -16,7 +17,9 @@ from active_perceiver.policies.learners import LEARNERS, learner_named
 from active_perceiver.policies.training_task import TrainingTask
 from active_perceiver.training.config import TrainConfig
 from active_perceiver.training.run_folder import RunFolder
-from active_perceiver.utils.progress import console, progress_bar
+from active_perceiver.utils.progress import progress_bar
+
+LOG = logging.getLogger(__name__)
 
 
 def policy_tasks(
@@ -78,7 +81,7 @@ def train_policy(
     learning = learner_config(config)
     for training_task in training_tasks:
         for warning in training_task.task.warnings:
-            console.print(f"note: {warning}", highlight=False)
+            LOG.info("note: %s", warning)
     checkpoint = run.path / "policy.checkpoint"
     with run.timed("policy"), progress_bar(f"policy by {config.learner}") as report:
         network, history = LEARNERS[config.learner].train(training_tasks, learning, report, checkpoint=checkpoint)

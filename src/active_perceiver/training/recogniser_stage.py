@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -17,9 +18,11 @@ from active_perceiver.training.run_folder import RunFolder
 from active_perceiver.training.target_selection import check_recogniser_scenes, check_targets
 from active_perceiver.training.training_result import RecogniserFigures
 from active_perceiver.utils.files import replacing
-from active_perceiver.utils.progress import console, progress_bar
+from active_perceiver.utils.progress import progress_bar
 from active_perceiver.vision.backbone import Backbone
 from active_perceiver.vision.cache import SceneFeatures
+
+LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +56,9 @@ def prepare_objects(config: TrainConfig) -> ObjectData:
     recogniser_scenes = open_scenes(config.recogniser_scenes) if config.recogniser_scenes else scenes
     if recogniser_scenes is not scenes:
         for note in check_recogniser_scenes(scenes, recogniser_scenes, config.targets):
-            console.print(f"note: {note}", highlight=False)
+            LOG.info("note: %s", note)
     for warning in label_warnings(dict.fromkeys((*scenes, *recogniser_scenes))):
-        console.print(f"warning: {warning}", highlight=False, soft_wrap=True)
+        LOG.warning("warning: %s", warning)
     backbone = open_backbone(config)
     features = tuple(features_of(scene, backbone) for scene in scenes)
     if recogniser_scenes is scenes:

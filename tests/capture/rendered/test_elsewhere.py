@@ -213,5 +213,5 @@ def test_the_command(searched: Scene, tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def test_what_is_noted_is_plain_data(searched: Scene) -> None:
-    settings = elsewhere.DEFAULT_CONFIGS["conference_room"]
+    settings = elsewhere.layout_config("conference_room")
     json.dumps(elsewhere._noted(searched, ("box",), 3, settings, ["abc"]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from itertools import product
@@ -25,9 +26,11 @@ from active_perceiver.recognition.train import CONFIGS, RecogniserConfig, train_
 from active_perceiver.scenes import Scene
 from active_perceiver.training.config import TrainConfig
 from active_perceiver.training.inputs import open_backbone, open_scenes
-from active_perceiver.utils.progress import ProgressCallback, console, progress_bar, quiet
+from active_perceiver.utils.progress import ProgressCallback, progress_bar, quiet
 from active_perceiver.vision.backbone import Backbone
 from active_perceiver.vision.cache import SceneFeatures
+
+LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,10 +84,10 @@ class RecogniserBenchmark(Benchmark):
         """See `measure_recogniser_ablation`."""
         scenes, backbone = self.rooms.scenes, self.rooms.backbone
         if self.rooms.start() is None:
-            console.print(
-                f"note: there are no weights to start from for {backbone.name} at {backbone.image_size} pixels; all "
-                "variants start from random ones",
-                highlight=False,
+            LOG.info(
+                "note: there are no weights to start from for %s at %d pixels; all variants start from random ones",
+                backbone.name,
+                backbone.image_size,
             )
         rooms = replace(self.rooms, features=tuple(features_of(scene, backbone) for scene in scenes))
         with progress_bar("trainings") as report:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -38,6 +39,8 @@ from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.utils.progress import console, progress_bar
 from active_perceiver.utils.result import to_jsonable
 from active_perceiver.vision.backbone import cache_folder
+
+LOG = logging.getLogger(__name__)
 
 RenderRoom = Callable[[Scene, Path, "str | None", "int | None"], None]
 """Renders the room of a scene again into a file: at another hour, or with another arrangement of its things."""
@@ -137,7 +140,7 @@ def measure_robustness(
     plain: dict[str, DetectionTable] = {}
     rows = []
     for number, (name, condition) in enumerate(conditions.items(), 1):
-        console.print(f"{name} ({number} of {len(conditions)})", highlight=False)
+        LOG.info("%s (%d of %d)", name, number, len(conditions))
         rooms = [_room(one.scene, condition, work, render) for one in asked]
         key = _key(agent, settings, name, condition, rooms)
         row = kept.record(key) if resume else None

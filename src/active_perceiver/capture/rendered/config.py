@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 from active_perceiver.errors import UserError
 from active_perceiver.scenes.lattice import EIGHT_ACTIONS, TURTLEBOT_ACTIONS, Action
@@ -89,3 +90,9 @@ DEFAULT_CONFIGS: dict[str, CaptureConfig] = {
         faults=CameraFaults(),
     )
 }
+
+
+def layout_config(layout: str, **given: Any) -> CaptureConfig:
+    """How rooms of a layout are captured if nothing else is said, with what is given and not None instead."""
+    config = DEFAULT_CONFIGS.get(layout, CaptureConfig())
+    return replace(config, **{name: value for name, value in given.items() if value is not None})

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_perceiver.capture.rendered.capture_scene import photograph
-from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig, CaptureError
+from active_perceiver.capture.rendered.config import CaptureConfig, CaptureError, layout_config
 from active_perceiver.capture.rendered.other_rooms import OtherRoom, plan_rooms, shared_out
 from active_perceiver.capture.rendered.render import check_scene_output, origin_of
 from active_perceiver.capture.rendered.stored_light import light_arrays, lit_room
@@ -118,10 +118,7 @@ def render_elsewhere(
         raise CaptureError(f"there must be at least 1 picture and 1 room, got {pictures} and {rooms}")
     rows = [scene.target_index(name) for name in dict.fromkeys(targets or scene.target_names)]
     wanted = tuple(scene.target_names[row] for row in rows)
-    settings = replace(
-        DEFAULT_CONFIGS.get(layout, CaptureConfig()),
-        image_size=scene.image_size, fov=scene.fov, bake_rays=BAKE_RAYS,
-    )  # fmt: skip
+    settings = layout_config(layout, image_size=scene.image_size, fov=scene.fov, bake_rays=BAKE_RAYS)
     executor = executor or ProcessExecutor()
     with progress_bar("other rooms") as report:
         plan, fingerprints = plan_rooms(scene.target_names, wanted, LAYOUTS[layout].things + seed, pictures, rooms)

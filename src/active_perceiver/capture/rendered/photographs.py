@@ -26,7 +26,7 @@ from active_perceiver.capture.rendered.capture_scene import (
     take_targets,
     take_views,
 )
-from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig, CaptureError
+from active_perceiver.capture.rendered.config import CaptureConfig, CaptureError, layout_config
 from active_perceiver.capture.rendered.render import noted_origin
 from active_perceiver.datasets.photos.pose_table import photograph_name, write_poses
 from active_perceiver.parallel.executor import Executor
@@ -112,7 +112,6 @@ def take_photographs(
     folder: Path,
     photographer: PhotographConfig,
     *,
-    places: int | None = None,
     force: bool = False,
     resume: bool = False,
     executor: Executor | None = None,
@@ -127,7 +126,6 @@ def take_photographs(
         seed: the room, the photographer's mistakes and every picture follow from it.
         folder: the folder to write.
         photographer: who takes the photographs, and with what.
-        places: how many marks there are on the floor; the layout's own number if None.
         force: replace an earlier folder of photographs, and begin anew where the work was interrupted.
         resume: go on with interrupted work.
         executor: does the work; None for a process a core.
@@ -143,7 +141,7 @@ def take_photographs(
         OutputExistsError: if the folder, or interrupted work on it, exists and nothing says what to do with it.
     """
     _check_folder(folder, force)
-    settings = _camera(settings or DEFAULT_CONFIGS.get(layout, CaptureConfig()), photographer, places)
+    settings = _camera(settings or layout_config(layout), photographer)
     room = make_room(layout, seed)
     names = _names(room, photographer.targets)
     rolls = _rolls(room, settings, photographer, seed)
@@ -179,12 +177,10 @@ def _all_written_here(folder: Path) -> bool:
         return False
 
 
-def _camera(settings: CaptureConfig, photographer: PhotographConfig, places: int | None) -> CaptureConfig:
+def _camera(settings: CaptureConfig, photographer: PhotographConfig) -> CaptureConfig:
     """The layout's settings with the photographer's camera."""
     faults = replace(settings.faults or CameraFaults(), noise=min(1.0, photographer.noise * _LIGHT_PER_GREY))
-    camera = replace(
-        settings, image_size=photographer.width, faults=faults, webp_quality=95, places=places or settings.places
-    )
+    camera = replace(settings, image_size=photographer.width, faults=faults, webp_quality=95)
     if photographer.jitter_cm / 100 * math.sqrt(2) > settings.robot_radius:
         raise CaptureError(
             f"{photographer.jitter_cm:g} cm beside a mark the camera could be in the furniture; give a jitter_cm of "

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from active_perceiver.capture.rendered.capture_scene import capture
-from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig, CaptureError
+from active_perceiver.capture.rendered.config import CaptureConfig, CaptureError, layout_config
 from active_perceiver.parallel.executor import Executor
 from active_perceiver.parallel.process_pool import ProcessExecutor
 from active_perceiver.parallel.run_store import RunStore, part_folder
@@ -126,7 +126,7 @@ def render_scene(
         force: replace an existing file, and begin anew where a rendering was interrupted.
         resume: go on with an interrupted rendering.
         executor: does the work; None for a process a core.
-        settings: None for those of the layout, see `capture_settings.DEFAULT_CONFIGS`.
+        settings: None for those of the layout, see `layout_config`.
         change: in what the room is not as its seed says.
 
     Returns:
@@ -138,7 +138,7 @@ def render_scene(
         RunStoreError: if the interrupted rendering was begun with other settings.
     """
     check_scene_output(out, force=force)
-    settings = settings or DEFAULT_CONFIGS.get(layout, CaptureConfig())
+    settings = settings or layout_config(layout)
     executor = executor or ProcessExecutor()
     timing = Timing(executor.workers)
     with timing.stage("room"):
