@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from active_perceiver.agent.config import AgentConfig
 from active_perceiver.agent.goals import GOALS
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import RobotBenchmarkConfig
@@ -127,14 +128,14 @@ def _rows(agents: Sequence[Path], settings: RobotBenchmarkConfig) -> Iterator[Ro
 
 def trained_on(agent: Path) -> str:
     """What an agent's policy was shown besides the views as they are."""
-    training = _training(agent)
-    if not training["view_augmentation"]:
+    training = AgentConfig.load(agent).training
+    if not training.view_augmentation:
         return "trained on the views alone"
-    return "trained in other light too" + (", and from near by" if training["viewpoint_jitter_degrees"] else "")
+    return "trained in other light too" + (", and from near by" if training.viewpoint_jitter_degrees else "")
 
 
 def _training(agent: Path) -> dict[str, float]:
-    training = ActivePerceiver.from_pretrained(agent, 1).config.training
+    training = AgentConfig.load(agent).training
     return {name: float(getattr(training, name)) for name in ("view_augmentation", "viewpoint_jitter_degrees")}
 
 
