@@ -3,12 +3,14 @@
 An implementation of Ye, Lin, Li, Zheng, Yang, "Active Object Perceiver: Recognition-guided Policy Learning for
 Object Searching on Mobile Robots", IROS 2018 (https://arxiv.org/abs/1807.11174).
 
-The names of `__all__` are what most programs need. Importing this package imports nothing else: each name is loaded
-when it is first asked for.
+The names of `__all__` are what most programs need. Importing this package imports nothing but its version: each name
+is loaded when it is first asked for.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING
+
+from active_perceiver.version import __version__
 
 if TYPE_CHECKING:  # the same names, for type checkers and editors
     from active_perceiver.agent.perceiver import ActivePerceiver as ActivePerceiver
@@ -19,8 +21,6 @@ if TYPE_CHECKING:  # the same names, for type checkers and editors
     from active_perceiver.scenes import Scene as Scene
     from active_perceiver.scenes import open_scene as open_scene
     from active_perceiver.scenes import read_image as read_image
-
-__version__ = "0.2.0"
 
 _HOMES = {
     "ActivePerceiver": "agent.perceiver",

@@ -12,7 +12,7 @@ from PIL import Image
 
 from active_perceiver.benchmarks.config import ScaleConfig
 from active_perceiver.benchmarks.runner import OutputFiles, run_benchmark
-from active_perceiver.benchmarks.scale.clock import TrainingClock
+from active_perceiver.benchmarks.scale.clock import PARTS, RATIOS, TrainingClock
 from active_perceiver.benchmarks.scale.measure import ScaleBenchmark
 from active_perceiver.benchmarks.scale.synthetic_scenes import (
     FEATURES,
@@ -21,7 +21,7 @@ from active_perceiver.benchmarks.scale.synthetic_scenes import (
     free_cells,
     synthetic_tasks,
 )
-from active_perceiver.benchmarks.scale.worker import PARTS, RATIOS, data_bytes, measure_training
+from active_perceiver.benchmarks.scale.worker import data_bytes, measure_training
 from active_perceiver.cli.main import main
 from active_perceiver.errors import UserError
 from active_perceiver.parallel.fresh_process import FreshProcessExecutor

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from active_perceiver import __version__
 from active_perceiver.parallel.executor import SerialExecutor
 from active_perceiver.parallel.run_missing import records_of, run_missing
 from active_perceiver.parallel.run_store import RunStore, RunStoreError, kept_beside, part_folder
 from active_perceiver.utils.files import OutputExistsError
+from active_perceiver.version import __version__
 
 SETTINGS = {"seeds": 2, "learners": ("distil",)}
 

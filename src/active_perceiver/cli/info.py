@@ -16,9 +16,9 @@ class Info:
     """Versions and machine, for a bug report."""
 
     def run(self) -> int:
-        from active_perceiver import __version__
         from active_perceiver.scenes import bundled_names
         from active_perceiver.utils.result import machine
+        from active_perceiver.version import __version__
         from active_perceiver.vision.backbone import cache_folder
 
         facts = {"version": __version__, **machine(), "cache": str(cache_folder()), "scenes": bundled_names()}

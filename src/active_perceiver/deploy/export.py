@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver import __version__
 from active_perceiver.agent.checksums import write_checksums
 from active_perceiver.agent.config import AgentError, picture_folder
 from active_perceiver.agent.exploration import map_file
@@ -21,6 +20,7 @@ from active_perceiver.errors import UserError
 from active_perceiver.scenes import open_scene, read_image
 from active_perceiver.utils.files import OutputExistsError, check_output, replacing_folder
 from active_perceiver.utils.progress import console
+from active_perceiver.version import __version__
 from active_perceiver.vision.backbone import FILE_NAME
 
 IMAGES = 48

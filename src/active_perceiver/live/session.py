@@ -8,7 +8,6 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
-from active_perceiver import __version__
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.live import StepRecord, search
 from active_perceiver.live.config import SessionConfig
@@ -17,6 +16,7 @@ from active_perceiver.live.recording import Recording
 from active_perceiver.live.recording_header import Floor, RecordingHeader
 from active_perceiver.live.robot_factory import Place, robot_at
 from active_perceiver.scenes import Action, read_image
+from active_perceiver.version import __version__
 
 
 class Session:

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_perceiver import __version__
 from active_perceiver.errors import UserError
 from active_perceiver.utils.files import OutputExistsError, replacing
+from active_perceiver.version import __version__
 
 SETTINGS = "settings.json"
 

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 
-from active_perceiver import __version__
 from active_perceiver.errors import UserError
 from active_perceiver.training.config import TrainConfig
 from active_perceiver.utils.files import OutputExistsError, replacing
+from active_perceiver.version import __version__
 
 
 class RunFolder:

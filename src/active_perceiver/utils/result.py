@@ -11,8 +11,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from active_perceiver import __version__
 from active_perceiver.utils.files import replacing
+from active_perceiver.version import __version__
 
 PACKAGES = ("numpy", "scipy", "h5py", "pillow", "onnxruntime", "gymnasium", "torch", "embreex", "mitsuba-oidn")
 

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from active_perceiver import __version__
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import RobustnessConfig
 from active_perceiver.benchmarks.robustness.perturbations import CLEAN, CONDITIONS, Condition
@@ -38,6 +37,7 @@ from active_perceiver.parallel.run_store import RunStore
 from active_perceiver.scenes import Scene, open_scene
 from active_perceiver.utils.progress import console, progress_bar
 from active_perceiver.utils.result import to_jsonable
+from active_perceiver.version import __version__
 from active_perceiver.vision.backbone import cache_folder
 
 LOG = logging.getLogger(__name__)

@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 
 from active_perceiver.benchmarks.config import ScaleConfig
 from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.benchmarks.scale.clock import RATIOS
 from active_perceiver.benchmarks.scale.report import cost_curves, format_scale
 from active_perceiver.benchmarks.scale.synthetic_scenes import FEATURES, PICTURES, VIEWS_PER_PLACE, synthetic_tasks
-from active_perceiver.benchmarks.scale.worker import CHECK_LIMIT, RATIOS, measure_training
+from active_perceiver.benchmarks.scale.worker import CHECK_LIMIT, measure_training
 from active_perceiver.errors import UserError
 from active_perceiver.figures.scaling import scaling_figure
 from active_perceiver.parallel.executor import Executor

@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any
 
-from active_perceiver.benchmarks.scale.worker import PARTS
+from active_perceiver.benchmarks.scale.clock import PARTS
 
 Curve = list[tuple[int, float]]
 

@@ -13,10 +13,6 @@ from active_perceiver.benchmarks.scale.synthetic_scenes import synthetic_tasks
 from active_perceiver.policies.learners import LEARNERS
 from active_perceiver.policies.training_task import TrainingTask
 
-RATIOS = (1.25, 1.02)
-"""Qualities to reach, each with success 1.0: mean steps over the fewest possible."""
-PARTS = ("forward", "backward", "optimiser", "advantages", "rollouts")
-"""Where the time of a training goes; what is left is the rest, mostly taking rows of tables."""
 CHECK_LIMIT = 1000
 """Steps after which a search has failed."""
 
