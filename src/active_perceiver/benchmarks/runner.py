@@ -19,7 +19,7 @@ from active_perceiver.utils.files import check_output, replacing
 from active_perceiver.utils.result import to_jsonable, write_result
 
 Run = dict[str, Any]
-Body = dict[str, Any]
+ResultBody = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Benchmark(ABC):
         """
 
     @abstractmethod
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """Measure, with progress bars; runs that the store holds are not done again.
 
         Returns:
@@ -65,15 +65,15 @@ class Benchmark(ABC):
         """
 
     @abstractmethod
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """Tables for people of what `measure` gave, or of what a result file holds."""
 
-    def figure(self, body: Body) -> Figure | None:
+    def figure(self, body: ResultBody) -> Figure | None:
         """The plot; None if there is none."""
         return None
 
 
-def run_benchmark(benchmark: Benchmark, files: OutputFiles) -> Body:
+def run_benchmark(benchmark: Benchmark, files: OutputFiles) -> ResultBody:
     """Measure what an earlier run has not, and write the result and the plot if they are asked for.
 
     Returns:

@@ -41,7 +41,7 @@ class ObjectPipeline:
         with self._run.timed("detections"):
             self._detections = self._detect()
         with self._run.timed("changed views"):
-            changed = self._detect_in_changed_views()
+            changed = self._detect_in_augmented_views()
         return policy_tasks(self._detections, self._recogniser.threshold, self._config.rank, changed)
 
     def save(self) -> AgentConfig:
@@ -72,7 +72,7 @@ class ObjectPipeline:
             for scene, features in scenes
         ]
 
-    def _detect_in_changed_views(self) -> list[tuple[Observations, ...]]:
+    def _detect_in_augmented_views(self) -> list[tuple[Observations, ...]]:
         return [
             changed_observations(
                 seen,

@@ -22,7 +22,7 @@ from active_perceiver.agent.config import AgentConfig
 from active_perceiver.benchmarks.act.report import format_act_speed, time_bars
 from active_perceiver.benchmarks.act.worker import PARTS
 from active_perceiver.benchmarks.config import ActSpeedConfig
-from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody
 from active_perceiver.errors import UserError
 from active_perceiver.figures.speed import parts_figure
 from active_perceiver.parallel.run_store import RunStore
@@ -58,21 +58,21 @@ class ActBenchmark(Benchmark):
         """See `Benchmark`."""
         _check(self.settings)
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """See `measure_act_speed`."""
         with progress_bar("processes") as report:
             return measure_act_speed(self.settings, report)
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_act_speed`."""
         return format_act_speed(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """Where the time of an action goes."""
         return parts_figure(time_bars(body))
 
 
-def measure_act_speed(settings: ActSpeedConfig, progress: ProgressCallback = quiet) -> Body:
+def measure_act_speed(settings: ActSpeedConfig, progress: ProgressCallback = quiet) -> ResultBody:
     """Time actions in fresh processes, one after the other.
 
     Args:

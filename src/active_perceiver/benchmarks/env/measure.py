@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from active_perceiver.benchmarks.config import EnvSpeedConfig
 from active_perceiver.benchmarks.env.report import format_env_speed, speed_curves
-from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody
 from active_perceiver.envs import REWARDS, Observations, SearchEnv, Searches, SearchTask, SearchVectorEnv
 from active_perceiver.errors import UserError
 from active_perceiver.figures.speed import speed_figure
@@ -48,17 +48,17 @@ class EnvBenchmark(Benchmark):
         if seconds <= 0 or not counts or min(counts) < 1:
             raise UserError(f"time and numbers of searches must be positive, got {seconds} s and {list(counts)}")
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """See `measure_env_speed`."""
         scene = open_scene(self.settings.scene)
         with progress_bar("speeds") as report:
             return measure_env_speed(scene, self.settings.seconds, self.settings.counts, report)
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_env_speed`."""
         return format_env_speed(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """Steps per second over the number of searches."""
         return speed_figure(speed_curves(body))
 

@@ -21,7 +21,7 @@ from active_perceiver.benchmarks.act.measure import run_process, summary_of, wri
 from active_perceiver.benchmarks.config import ExportBenchmarkConfig
 from active_perceiver.benchmarks.exported.clean_environment import PACKAGES, clean_variables, make_clean_environment
 from active_perceiver.benchmarks.exported.report import action_bars, format_exported
-from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody
 from active_perceiver.deploy.export import export_agent
 from active_perceiver.errors import UserError
 from active_perceiver.figures.speed import parts_figure
@@ -49,15 +49,15 @@ class ExportBenchmark(Benchmark):
                 "threads, repeats, starts, searches and the sides of the camera's pictures must be at least 1"
             )
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """See `measure_exported`."""
         return measure_exported(self.agent, self.settings)
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_exported`."""
         return format_exported(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """Where the time of an action goes."""
         return parts_figure(action_bars(body))
 

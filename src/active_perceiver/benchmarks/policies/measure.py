@@ -15,7 +15,7 @@ from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import PolicyBenchmarkConfig
 from active_perceiver.benchmarks.policies.report import format_policies, spread_rows, summary
 from active_perceiver.benchmarks.policies.worker import FINE_RATIO, PolicyTraining, train_and_measure
-from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.object_measures import agent_detections, with_query_pictures
 from active_perceiver.figures.policies_spread import policies_spread
@@ -104,17 +104,17 @@ class PoliciesBenchmark(Benchmark):
             "learners": {name: asdict(config) for name, config in self.configs.items()},
         }
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """See `measure_policies`."""
         executor = self.executor or FreshProcessExecutor(self.settings.threads)
         with progress_bar("trainings") as report:
             return measure_policies(self.setups, self.configs, self.settings, store, executor, report)
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_policies`."""
         return format_policies(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """The spread over seeds."""
         return policies_spread(spread_rows(body), FINE_RATIO)
 
@@ -199,7 +199,7 @@ def measure_policies(
     store: RunStore,
     executor: Executor,
     progress: ProgressCallback = quiet,
-) -> Body:
+) -> ResultBody:
     """Train policies in each setup by each learner with each seed, one after the other.
 
     Args:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from active_perceiver.benchmarks.config import RecogniserBenchmarkConfig
 from active_perceiver.benchmarks.recogniser.report import GOALS, ablation_rows, format_recogniser_ablation, summary
 from active_perceiver.benchmarks.recogniser.variants import EVERY, Variant, chosen_variants
-from active_perceiver.benchmarks.runner import Benchmark, Body, Run
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody, Run
 from active_perceiver.evaluation.agent_scenes import features_of
 from active_perceiver.figures.ablation import ablation_figure
 from active_perceiver.parallel.executor import Executor, SerialExecutor, tell
@@ -80,7 +80,7 @@ class RecogniserBenchmark(Benchmark):
             },
         }
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """See `measure_recogniser_ablation`."""
         scenes, backbone = self.rooms.scenes, self.rooms.backbone
         if self.rooms.start() is None:
@@ -93,11 +93,11 @@ class RecogniserBenchmark(Benchmark):
         with progress_bar("trainings") as report:
             return measure_recogniser_ablation(rooms, self.variants, self.settings, store, self.executor, report)
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_recogniser_ablation`."""
         return format_recogniser_ablation(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """Average precision by variant."""
         return ablation_figure(ablation_rows(body))
 
@@ -109,7 +109,7 @@ def measure_recogniser_ablation(
     store: RunStore,
     executor: Executor,
     progress: ProgressCallback = quiet,
-) -> Body:
+) -> ResultBody:
     """Train every variant in every scene with every seed, one after the other.
 
     Args:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from active_perceiver.benchmarks.config import RenderSpeedConfig
 from active_perceiver.benchmarks.render.report import format_timing
-from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody
 from active_perceiver.capture.rendered.config import DEFAULT_CONFIGS, CaptureConfig
 from active_perceiver.parallel.executor import Executor, tell
 from active_perceiver.parallel.fresh_process import FreshProcessExecutor
@@ -56,19 +56,19 @@ class RenderBenchmark(Benchmark):
     def prepare(self) -> None:
         """See `Benchmark`."""
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """Each room in a process of its own, with one thread and nothing cached; see `measure_rendering`."""
         layouts = self.layouts or tuple(LAYOUTS)
         with progress_bar("rooms") as report:
             rooms = list(self.executor.map(_measure_layout, layouts, self.settings, report))
         return {"protocol": {"cores": 1, "threads": 1, "views": self.settings.views}, "rooms": rooms}
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_timing`."""
         return "\n\n".join(format_timing(room) for room in body["rooms"])
 
 
-def _measure_layout(settings: RenderSpeedConfig, layout: str) -> Body:
+def _measure_layout(settings: RenderSpeedConfig, layout: str) -> ResultBody:
     return measure_rendering(
         lambda: make_room(layout, settings.seed),
         settings.views,

@@ -17,7 +17,7 @@ from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import RobotBenchmarkConfig
 from active_perceiver.benchmarks.robot.report import format_robot
 from active_perceiver.benchmarks.robot.worker import Conditions, Lab, search_once, targets_in
-from active_perceiver.benchmarks.runner import Benchmark, Body, share_bars
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody, share_bars
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.stop_evaluation import TRUE_IOU
 from active_perceiver.figures.robustness import robustness_figure
@@ -64,7 +64,7 @@ class RobotBenchmark(Benchmark):
         self.rows = {row.label: row for row in _rows(self.agents, self.settings)}
         return {**asdict(self.settings), "agents": [_fingerprint(agent) for agent in self.agents]}
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """Search, row by row.
 
         Returns:
@@ -78,11 +78,11 @@ class RobotBenchmark(Benchmark):
         protocol = {**asdict(self.settings), "true_iou": TRUE_IOU, "targets": targets}
         return {"protocol": protocol, "rows": list(rows.values())}
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_robot`."""
         return format_robot(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """Shares of searches by row."""
         return robustness_figure(share_bars(body["rows"], "label"))
 

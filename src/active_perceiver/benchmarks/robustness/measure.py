@@ -23,7 +23,7 @@ from active_perceiver.benchmarks.robustness.perturbed_detections import (
     with_detections_changed,
 )
 from active_perceiver.benchmarks.robustness.report import format_robustness
-from active_perceiver.benchmarks.runner import Benchmark, Body, share_bars
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody, share_bars
 from active_perceiver.errors import UserError
 from active_perceiver.evaluation.agent_evaluation import SEEN
 from active_perceiver.evaluation.agent_scenes import agent_scenes
@@ -70,15 +70,15 @@ class RobustnessBenchmark(Benchmark):
         self.conditions = chosen_conditions(self.settings)
         self.agent = ActivePerceiver.from_pretrained(self.folder)
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """See `measure_robustness`."""
         return measure_robustness(self.agent, self.settings, self.conditions, self.render, resume=self.resume)
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_robustness`."""
         return format_robustness(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """Shares of searches by condition."""
         return robustness_figure(share_bars(body["conditions"], "condition"))
 

@@ -9,7 +9,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from active_perceiver.benchmarks.config import ScaleConfig
-from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody
 from active_perceiver.benchmarks.scale.clock import RATIOS
 from active_perceiver.benchmarks.scale.report import cost_curves, format_scale
 from active_perceiver.benchmarks.scale.synthetic_scenes import FEATURES, PICTURES, VIEWS_PER_PLACE, synthetic_tasks
@@ -40,17 +40,17 @@ class ScaleBenchmark(Benchmark):
         check_settings(self.settings)
         return asdict(self.settings)
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """See `measure_scale`."""
         executor = self.executor or FreshProcessExecutor(self.settings.threads)
         with progress_bar("trainings") as report:
             return measure_scale(self.settings, store, executor, report)
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_scale`."""
         return format_scale(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """Time and memory over the number of states."""
         return scaling_figure(*cost_curves(body))
 
@@ -91,7 +91,7 @@ def cells_of(settings: ScaleConfig) -> list[Cell]:
 
 def measure_scale(
     settings: ScaleConfig, store: RunStore, executor: Executor, progress: ProgressCallback = quiet
-) -> Body:
+) -> ResultBody:
     """Train in every combination of scenes and states, one after the other.
 
     Args:

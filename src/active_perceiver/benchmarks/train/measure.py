@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from active_perceiver.agent.perceiver import ActivePerceiver
 from active_perceiver.benchmarks.config import LearnerName, TrainSpeedConfig
-from active_perceiver.benchmarks.runner import Benchmark, Body
+from active_perceiver.benchmarks.runner import Benchmark, ResultBody
 from active_perceiver.benchmarks.train.baselines import BASELINES, FINE_RATIO, RATIO, baseline_named
 from active_perceiver.benchmarks.train.report import format_train_speed, learner_summary, trainings_of
 from active_perceiver.benchmarks.train.worker import Training, train
@@ -49,18 +49,18 @@ class TrainBenchmark(Benchmark):
         check_settings(self.settings)
         return asdict(self.settings)
 
-    def measure(self, store: RunStore) -> Body:
+    def measure(self, store: RunStore) -> ResultBody:
         """See `measure_train_speed`."""
         training_task = search_training_task(self.settings)
         executor = self.executor or FreshProcessExecutor(threads_of(self.settings))
         with progress_bar("trainings") as report:
             return measure_train_speed(self.settings, training_task, store, executor, report)
 
-    def report(self, body: Body) -> str:
+    def report(self, body: ResultBody) -> str:
         """See `format_train_speed`."""
         return format_train_speed(body)
 
-    def figure(self, body: Body) -> Figure:
+    def figure(self, body: ResultBody) -> Figure:
         """Time to quality by learner."""
         return time_to_quality(trainings_of(body), RATIO)
 
@@ -118,7 +118,7 @@ def measure_train_speed(
     store: RunStore,
     executor: Executor,
     progress: ProgressCallback = quiet,
-) -> Body:
+) -> ResultBody:
     """Train every learner with every seed, one after the other.
 
     Args:
