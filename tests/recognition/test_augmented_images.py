@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
+from scipy.ndimage import uniform_filter
 
 from active_perceiver.recognition.augmented_images import changed_picture, changed_view, picture_from_view, window
 from active_perceiver.recognition.metrics import box_iou
@@ -18,8 +19,8 @@ def painted(box, colour=(255, 0, 0), side=100):
 
 
 def box_of_red(image):
-    """Where red is more than the rest, as a box."""
-    red = image[..., 0].astype(int) - image[..., 1:].max(axis=2)
+    """Where red is more than the rest, as a box; single pixels of noise are no red."""
+    red = uniform_filter(image[..., 0].astype(float) - image[..., 1:].max(axis=2), 5)
     rows, columns = np.nonzero(red > red.max() / 2)
     low, high = np.array([columns.min(), rows.min()]), np.array([columns.max(), rows.max()]) + 1
     return np.concatenate([(low + high) / 2, high - low]) / len(image)
@@ -38,6 +39,7 @@ def test_beyond_the_image_its_edge_goes_on(left, top):
 
 
 @given(st.integers(0, 2**32 - 1))
+@example(24623)  # much noise
 def test_boxes_move_with_what_is_in_them(seed):
     box = np.array([0.55, 0.4, 0.3, 0.2])
     image, boxes, kept = changed_view(
