@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 # What renders rooms, measures benchmarks, repeats the paper, makes environments of its own or drives a browser.
-NOT_CORE := indoor_rooms/tests $(addprefix tests/,benchmarks capture reproduction simulation \
+NOT_CORE := $(addprefix tests/,benchmarks capture reproduction simulation \
 	deploy/test_export.py cli/test_demo.py scenes/test_bundled.py labelling/test_page.py)
 
 .PHONY: demo test test-core lint docs clean help
@@ -25,7 +25,7 @@ test: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadgroup $(PYTEST_ARGS)
 
 test-core: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadgroup $(NOT_CORE:%=--ignore=%) $(PYTEST_ARGS)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadgroup tests $(NOT_CORE:%=--ignore=%) $(PYTEST_ARGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .
