@@ -34,7 +34,7 @@ def box_rooms(small_work: pytest.MonkeyPatch) -> None:
 
 
 def take(folder: Path, photographer: PhotographConfig = PHOTOGRAPHER, seed: int = 1, **options: Any) -> int:
-    return take_photographs("kitchen", seed, folder, photographer, settings=SMALL, **options)
+    return take_photographs("kitchen", seed, folder, photographer, **{"settings": SMALL, **options})
 
 
 def content(folder: Path) -> dict[str, bytes]:
@@ -117,7 +117,7 @@ def test_work_begun_otherwise_is_not_gone_on_with(tmp_path: Path, monkeypatch: p
     with pytest.raises(KeyboardInterrupt):
         take(folder)
     before = content(tmp_path)
-    others: list[dict[str, Any]] = [{"seed": 2}, {"places": 2}]
+    others: list[dict[str, Any]] = [{"seed": 2}, {"settings": replace(SMALL, places=2)}]
     others += [{"photographer": replace(PHOTOGRAPHER, **change)} for change in ({"width": 64}, {"error_cm": 0.0})]
     for other in others:
         with pytest.raises(RunStoreError, match="begun with other settings"):
