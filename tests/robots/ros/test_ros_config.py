@@ -111,6 +111,7 @@ def test_settings_that_make_no_sense_are_refused(tmp_path, change, said):
         ("", "must hold camera"),
         ("- 1", "must hold camera"),
         ("camera: [", "not YAML at line"),
+        ("limits: {speed: 0.1}\nlimits: {speed: 1.0}", "key 'limits' is there twice"),
         ("a: !!python/object/apply:os.system [ls]", "not YAML"),
         ("1: 2", "unknown key 1"),
         ("[" * 1000, r"not YAML|nested too deeply"),

@@ -30,12 +30,14 @@ def load_config(name: str | Path) -> RosConfig:
         name: a preset, see `presets`, or a YAML file.
 
     Raises:
-        RosSettingsError: if there is no such file, or what it says makes no sense.
+        RosConfigError: if there is no such file, or what it says makes no sense.
     """
     path = PRESETS / f"{name}.yaml" if str(name) in presets() else Path(name)
     yaml = _yaml()
+    from active_perceiver.utils.yaml_reader import parse_yaml  # it needs PyYAML, which `_yaml` makes sure of
+
     try:
-        read = yaml.safe_load(path.read_text(encoding="utf-8"))
+        read = parse_yaml(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is not text"
         raise RosConfigError(
@@ -64,7 +66,7 @@ def save_config(settings: RosConfig, path: Path, *, force: bool = False) -> None
     Raises:
         OutputExistsError: if the file exists and `force` is false.
         OutputError: if it cannot be written.
-        RosSettingsError: if PyYAML is not there.
+        RosConfigError: if PyYAML is not there.
     """
     text = _yaml().safe_dump(_plain(settings), sort_keys=False)
     with replacing(path, force) as temporary:
