@@ -13,7 +13,7 @@ from active_perceiver.capture.thor_targets import NoTargetsError
 from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.robots.ai2thor import Controller, ThorConfig, ThorError, start_controller
 from active_perceiver.scenes import EIGHT_ACTIONS, save_scene
-from active_perceiver.utils.files import OutputExistsError, check_output
+from active_perceiver.utils.files import check_output, files_there
 
 LOG = logging.getLogger(__name__)
 
@@ -114,12 +114,7 @@ def capture_rooms(
         OutputExistsError: before anything is captured, if a file exists and nothing says what to do with it.
     """
     files = [folder / f"{room}.h5" for room in rooms]
-    there = [path for path in files if path.exists()]
-    if there and not (force or resume):
-        raise OutputExistsError(
-            f"{', '.join(str(path) for path in there[:5])} exist(s); --resume keeps what is there and makes the "
-            "rest, --force replaces it"
-        )
+    there = files_there(files, force=force, resume=resume)
     for number, (room, path) in enumerate(zip(rooms, files, strict=True), 1):
         if path in there and resume:
             yield path, None

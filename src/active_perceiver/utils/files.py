@@ -8,7 +8,7 @@ from __future__ import annotations
 import errno
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -44,6 +44,21 @@ def check_output(path: Path, force: bool) -> None:
     """
     if path.exists() and not force:
         raise OutputExistsError(f"{path} exists; give another name, or --force to replace it")
+
+
+def files_there(files: Sequence[Path], *, force: bool, resume: bool) -> list[Path]:
+    """Which of many files that are to be written are there already.
+
+    Raises:
+        OutputExistsError: if any is, and nothing says what to do with it.
+    """
+    there = [path for path in files if path.exists()]
+    if there and not (force or resume):
+        raise OutputExistsError(
+            f"{', '.join(str(path) for path in there[:5])} exist(s); --resume keeps what is there and makes the "
+            "rest, --force replaces it"
+        )
+    return there
 
 
 @contextmanager

@@ -21,7 +21,7 @@ from active_perceiver.parallel.process_pool import ProcessExecutor
 from active_perceiver.parallel.run_store import RunStore, part_folder
 from active_perceiver.scenes.scene import Scene
 from active_perceiver.scenes.storage import save_scene
-from active_perceiver.utils.files import OutputExistsError, check_output
+from active_perceiver.utils.files import OutputExistsError, check_output, files_there
 from active_perceiver.utils.progress import ProgressBar, ProgressCallback, progress_bar
 from indoor_rooms.layouts import make_room
 from indoor_rooms.room import Room
@@ -181,12 +181,7 @@ def render_scenes(
         OutputExistsError: before anything is rendered, if a file exists and nothing says what to do with it.
     """
     files = [folder / default_name(layout, seed, change) for seed in seeds]
-    there = [path for path in files if path.exists()]
-    if there and not (force or resume):
-        raise OutputExistsError(
-            f"{', '.join(str(path) for path in there[:5])} exist(s); --resume keeps what is there and makes the "
-            "rest, --force replaces it"
-        )
+    there = files_there(files, force=force, resume=resume)
     for number, (seed, path) in enumerate(zip(seeds, files, strict=True), 1):
         if path in there and resume:
             yield path, None
